@@ -1,0 +1,1 @@
+//! Triangulation, refinement and fairing of one hole.

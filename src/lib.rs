@@ -1,0 +1,41 @@
+//! Fills the holes of triangle meshes so that nobody sees where they were.
+//!
+//! ```
+//! use complete_mesh::{complete_mesh, Options};
+//!
+//! // A tetrahedron without its floor: one hole of three edges.
+//! let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+//! let faces = [[0, 1, 3], [0, 3, 2], [1, 2, 3]];
+//! let completion = complete_mesh(&vertices[..], &faces[..], &Options::default())?;
+//! assert_eq!(completion.holes.len(), 1);
+//! let (all_vertices, all_faces) = completion.to_mesh_f64(&vertices, &faces);
+//! assert_eq!(&all_vertices[..4], &vertices[..]);
+//! assert_eq!(&all_faces[..3], &faces[..]);
+//! # Ok::<(), complete_mesh::Error>(())
+//! ```
+//!
+//! The contract: every input vertex and face comes back bit for bit, first, in order; the fill is
+//! manifold, oriented, joined to the rim and free of self-intersections, or the call returns an
+//! [`Error`] and nothing half done. The bytes of the result do not depend on the thread count.
+//!
+//! Modules in the order data flows: [`mesh`] → [`holes`] → [`fill`] → [`intersect`] →
+//! [`complete`] → [`result`]. `capi` is the C face of the same calls; `io`, `sample`, `picture`
+//! and `cli` serve the command line.
+
+pub mod complete;
+pub mod error;
+pub mod fill;
+pub mod holes;
+pub mod intersect;
+pub mod mesh;
+pub mod options;
+pub mod progress;
+pub mod result;
+
+pub use complete::{complete_mesh, complete_mesh_with, Completer};
+pub use error::{Error, Problem, Result};
+pub use holes::{find_holes, BoundaryLoop, Hole, HoleKind, HoleList};
+pub use mesh::{FaceView, MeshView, VertexView};
+pub use options::{Fairing, Grouping, Method, Options, Selection, Sizing};
+pub use progress::Monitor;
+pub use result::{Completion, HoleReport, HoleStatus};

@@ -1,0 +1,173 @@
+//! What the caller may choose. Every default is what a user who knows nothing should get.
+
+use crate::error::{Error, Result};
+
+/// How a fill is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Method {
+    /// The smooth completion: triangulation, refinement, fairing. See [`Fairing`].
+    #[default]
+    Smooth,
+    /// Coherent completion (Harary, Tal, Grinspun 2014): continues what the object shows. Not in
+    /// this version: asking for it is [`Error::Unsupported`], never a silent smooth fill.
+    Coherent,
+}
+
+impl Method {
+    /// The name in the command line, the report and the C header.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Smooth => "smooth",
+            Method::Coherent => "coherent",
+        }
+    }
+}
+
+/// The smooth surface that a hole is filled with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Fairing {
+    /// The best of the others for this hole, chosen by what the surroundings show (`docs/smooth.md`).
+    #[default]
+    Auto,
+    /// No fairing: the refined triangulation as it is.
+    None,
+    /// Membrane, L x = 0: meets the rim, with a crease (C0).
+    C0,
+    /// Thin plate, L M⁻¹ L x = 0: continues the tangent planes at the rim (C1).
+    C1,
+    /// Triharmonic, L M⁻¹ L M⁻¹ L x = 0: continues the curvature, too (C2).
+    C2,
+    /// Least-squares mesh (Sorkine and Cohen-Or 2004): uniform Laplacian of the fill and of a band
+    /// of the surroundings, whose vertices are soft constraints.
+    LeastSquares,
+    /// Thin plate through the smoothed surroundings: continues their shape, not their roughness.
+    SmoothedPlate,
+}
+
+impl Fairing {
+    /// The name in the command line and the report.
+    pub fn name(self) -> &'static str {
+        match self {
+            Fairing::Auto => "auto",
+            Fairing::None => "none",
+            Fairing::C0 => "c0",
+            Fairing::C1 => "c1",
+            Fairing::C2 => "c2",
+            Fairing::LeastSquares => "least-squares",
+            Fairing::SmoothedPlate => "smoothed-plate",
+        }
+    }
+    /// All values, in the order of their C constants.
+    pub const ALL: [Fairing; 7] = [
+        Fairing::Auto,
+        Fairing::None,
+        Fairing::C0,
+        Fairing::C1,
+        Fairing::C2,
+        Fairing::LeastSquares,
+        Fairing::SmoothedPlate,
+    ];
+}
+
+/// Which boundary loops make one hole together.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Grouping {
+    /// Loops that face each other belong together: islands, rings. See [`crate::holes`].
+    #[default]
+    Automatic,
+    /// Every loop is a hole of its own.
+    Separate,
+    /// Loops named by any of their vertices belong together, one list a hole; all others are
+    /// holes of their own.
+    Join(Vec<Vec<u32>>),
+}
+
+/// Which holes are filled.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
+pub enum Selection {
+    /// Every hole.
+    #[default]
+    All,
+    /// The holes with these ids (see [`crate::Hole::id`]).
+    Ids(Vec<usize>),
+    /// Holes whose loops have at most this many edges together.
+    MaxEdges(usize),
+    /// Holes whose loops are at most this long together, in mesh units.
+    MaxCircumference(f64),
+    /// Holes that fit into this diameter, in mesh units.
+    MaxDiameter(f64),
+    /// All but the hole with the greatest circumference: an open scan's own border.
+    AllButLargest,
+    /// The one hole whose rim passes nearest to this point, in mesh units.
+    NearPoint([f64; 3]),
+    /// The one hole whose rim passes nearest to these vertices' positions; holes whose rim
+    /// contains one of them all count.
+    NearVertices(Vec<u32>),
+}
+
+/// The edge length that new triangles aim for.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub enum Sizing {
+    /// The edge length of the surroundings, carried inward from the rim.
+    #[default]
+    Surroundings,
+    /// The same, times this factor (0.05 to 20).
+    Scaled(f64),
+    /// One edge length everywhere, in mesh units.
+    EdgeLength(f64),
+    /// No refinement: the rim is triangulated, no vertex is added (but where the contract needs one).
+    None,
+}
+
+/// Options of [`crate::complete_mesh`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Options {
+    /// How the fill is made.
+    pub method: Method,
+    /// Which holes are filled.
+    pub selection: Selection,
+    /// Which loops make one hole.
+    pub grouping: Grouping,
+    /// The smooth surface; `Auto` by default.
+    pub fairing: Fairing,
+    /// The size of the new triangles.
+    pub sizing: Sizing,
+    /// Fill the other holes when a selected one is unsafe or fails, and say so in its
+    /// [`crate::HoleReport`]; by default such a hole is an error for the whole call.
+    pub skip_unsafe: bool,
+    /// Worker threads; 0: as many as the machine has cores. The result does not depend on it.
+    pub threads: usize,
+}
+
+impl Options {
+    /// Checks every range. Called by every completion.
+    pub fn check(&self) -> Result<()> {
+        let bad = |name, reason: String| Err(Error::InvalidOption { name, reason });
+        if self.method == Method::Coherent {
+            return Err(Error::Unsupported { what: "method \"coherent\"".into() });
+        }
+        match self.sizing {
+            Sizing::Scaled(f) if !(0.05..=20.0).contains(&f) => {
+                return bad("sizing", format!("the factor {f} is outside 0.05 to 20"))
+            }
+            Sizing::EdgeLength(l) if !(l > 0.0 && l.is_finite()) => {
+                return bad("sizing", format!("the edge length {l} is not positive"))
+            }
+            _ => {}
+        }
+        match &self.selection {
+            Selection::MaxCircumference(l) | Selection::MaxDiameter(l) if !(*l > 0.0) => {
+                bad("selection", format!("the length {l} is not positive"))
+            }
+            Selection::NearPoint(p) if p.iter().any(|x| !x.is_finite()) => {
+                bad("selection", "the point is not finite".into())
+            }
+            _ => Ok(()),
+        }
+    }
+}
