@@ -27,6 +27,8 @@ pub mod error;
 pub mod fill;
 pub mod holes;
 pub mod intersect;
+#[cfg(feature = "io")]
+pub mod io;
 pub mod mesh;
 pub mod options;
 pub mod progress;

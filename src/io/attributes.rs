@@ -1,0 +1,305 @@
+//! What the fill's elements carry besides their place: colours, normals, flags, whatever the file
+//! has, continued from the rim.
+//!
+//! A property of the vertices is carried inward as a harmonic function of the uniform Laplacian:
+//! each new vertex has the mean of its neighbours, the rim is fixed. It has no extremum inside, so
+//! no colour appears that is not between the rim's. New faces copy what they carry from the
+//! nearest input face at the rim.
+
+use crate::mesh::{FaceView, VertexView};
+use crate::result::Completion;
+use std::collections::{HashMap, VecDeque};
+
+/// The fill as a graph: its new vertices first, then the input vertices at its rim.
+pub(super) struct Patch<'a> {
+    completion: &'a Completion,
+    /// Input vertices that the fill touches, sorted.
+    rim: Vec<u32>,
+    /// Neighbours of node i: `neighbours[starts[i]..starts[i + 1]]`, once for each face.
+    starts: Vec<u32>,
+    neighbours: Vec<u32>,
+    /// Nodes by their distance from the rim in edges, the rim left out.
+    inward: Vec<Step>,
+    /// The greatest distance.
+    depth: usize,
+}
+
+/// A new vertex and the neighbour through which the rim is nearest.
+struct Step {
+    node: u32,
+    from: u32,
+}
+
+/// How a property goes on into the fill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Blend {
+    /// Harmonic.
+    Smooth,
+    /// The value of the nearest vertex of the rim, for labels: between 3 and 7 there is no 5.
+    Nearest,
+}
+
+impl Blend {
+    /// Floats are quantities. Integers are when their name says so; else they are labels.
+    pub fn of(name: &str, integer: bool) -> Self {
+        const QUANTITIES: [&str; 12] = [
+            "red",
+            "green",
+            "blue",
+            "alpha",
+            "intensity",
+            "quality",
+            "confidence",
+            "gray",
+            "grey",
+            "reflectance",
+            "luminance",
+            "curvature",
+        ];
+        let quantity = |q: &&str| name.to_ascii_lowercase().ends_with(*q);
+        let single = ["r", "g", "b", "a"].contains(&name);
+        if integer && !single && !QUANTITIES.iter().any(|q| quantity(&q)) {
+            Blend::Nearest
+        } else {
+            Blend::Smooth
+        }
+    }
+}
+
+impl<'a> Patch<'a> {
+    /// The fill of a completion whose indices have been checked.
+    pub fn new(completion: &'a Completion) -> Self {
+        let input = completion.input_vertex_count as u32;
+        let mut rim: Vec<u32> =
+            completion.faces.iter().flatten().copied().filter(|&v| v < input).collect();
+        rim.sort_unstable();
+        rim.dedup();
+        let nodes = completion.vertices.len() + rim.len();
+        let mut patch = Self {
+            completion,
+            rim,
+            starts: vec![0; nodes + 1],
+            neighbours: vec![0; completion.faces.len() * 6],
+            inward: Vec::with_capacity(completion.vertices.len()),
+            depth: 0,
+        };
+        patch.link();
+        patch.walk_inward();
+        patch
+    }
+
+    /// Input vertices that the fill touches, sorted.
+    pub fn rim(&self) -> &[u32] {
+        &self.rim
+    }
+
+    fn node(&self, v: u32) -> usize {
+        let input = self.completion.input_vertex_count as u32;
+        match v.checked_sub(input) {
+            Some(new) => new as usize,
+            None => self.completion.vertices.len() + self.rim.binary_search(&v).unwrap_or(0),
+        }
+    }
+
+    /// An inner edge has two faces, so each neighbour of a new vertex comes up twice: all weights
+    /// are equal without looking for doubles.
+    fn link(&mut self) {
+        let nodes: Vec<[usize; 3]> =
+            self.completion.faces.iter().map(|f| f.map(|v| self.node(v))).collect();
+        for &i in nodes.iter().flatten() {
+            self.starts[i + 1] += 2;
+        }
+        for i in 1..self.starts.len() {
+            self.starts[i] += self.starts[i - 1];
+        }
+        let mut free = self.starts.clone();
+        for corners in nodes {
+            for k in 0..3 {
+                for other in [corners[(k + 1) % 3], corners[(k + 2) % 3]] {
+                    self.neighbours[free[corners[k]] as usize] = other as u32;
+                    free[corners[k]] += 1;
+                }
+            }
+        }
+    }
+
+    fn around(&self, node: u32) -> &[u32] {
+        let [a, b] = [0, 1].map(|k| self.starts[node as usize + k] as usize);
+        &self.neighbours[a..b]
+    }
+
+    /// Breadth first from the whole rim; ties go to the lower index.
+    fn walk_inward(&mut self) {
+        let new = self.completion.vertices.len() as u32;
+        let mut distance = vec![usize::MAX; self.starts.len() - 1];
+        let mut queue: VecDeque<u32> = (new..distance.len() as u32).collect();
+        distance[new as usize..].fill(0);
+        while let Some(from) = queue.pop_front() {
+            let next = distance[from as usize] + 1;
+            for k in self.starts[from as usize]..self.starts[from as usize + 1] {
+                let node = self.neighbours[k as usize];
+                if distance[node as usize] == usize::MAX {
+                    distance[node as usize] = next;
+                    self.inward.push(Step { node, from });
+                    self.depth = next;
+                    queue.push_back(node);
+                }
+            }
+        }
+    }
+
+    /// Carries columns of numbers inward. `rim_values` holds one row of `blends.len()` numbers for
+    /// each vertex of [`Patch::rim`]; the result one for each new vertex.
+    pub fn carry(&self, rim_values: &[f64], blends: &[Blend]) -> Vec<f64> {
+        let (new, columns) = (self.completion.vertices.len(), blends.len());
+        let mut values = vec![0.0; new * columns];
+        values.extend_from_slice(rim_values);
+        let ranges: Vec<f64> =
+            (0..columns).map(|c| mend_column(&mut values[new * columns..], c, columns)).collect();
+        for step in &self.inward {
+            let from = step.from as usize * columns;
+            values.copy_within(from..from + columns, step.node as usize * columns);
+        }
+        let smooth: Vec<usize> =
+            (0..columns).filter(|&c| blends[c] == Blend::Smooth && ranges[c] > 0.0).collect();
+        if !smooth.is_empty() {
+            self.relax(&mut values, columns, &smooth, &ranges);
+        }
+        values.truncate(new * columns);
+        values
+    }
+
+    /// Gauss-Seidel sweeps with over-relaxation (Young 1954), inward and outward by turns.
+    fn relax(&self, values: &mut [f64], columns: usize, smooth: &[usize], ranges: &[f64]) {
+        // Jacobi's spectral radius on a strip as wide as the fill is deep; a rounder fill has a
+        // smaller one, and too much over-relaxation still converges.
+        let half_wave = std::f64::consts::PI / (2.0 * (self.depth + 1) as f64);
+        let omega = 2.0 / (1.0 + half_wave.sin());
+        // The sweeps needed grow with the depth. A last step of 1e-7 of the rim's range is below
+        // one unit of a 16-bit channel.
+        for sweep in 0..100 + 20 * self.depth {
+            let mut largest = 0.0f64;
+            let mut visit = |step: &Step| {
+                let around = self.around(step.node);
+                for &c in smooth {
+                    let sum: f64 = around.iter().map(|&n| values[n as usize * columns + c]).sum();
+                    let value = &mut values[step.node as usize * columns + c];
+                    let change = omega * (sum / around.len() as f64 - *value);
+                    *value += change;
+                    largest = largest.max(change.abs() / ranges[c]);
+                }
+            };
+            if sweep % 2 == 0 {
+                self.inward.iter().for_each(&mut visit);
+            } else {
+                self.inward.iter().rev().for_each(&mut visit);
+            }
+            if largest <= 1e-7 {
+                break;
+            }
+        }
+    }
+
+    /// Unit normals of the new vertices: the new faces', weighted by their angle there (Thürmer
+    /// and Wüthrich 1998). They are turned to the side on which the file's own normals of the rim
+    /// (`rim_normals`, one a vertex of [`Patch::rim`]) lie.
+    pub fn normals(&self, vertices: VertexView<'_>, rim_normals: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let (new, input) = (self.completion.vertices.len(), self.completion.input_vertex_count);
+        let mut sums = vec![[0.0; 3]; self.starts.len() - 1];
+        for face in &self.completion.faces {
+            let p = face.map(|v| match (v as usize).checked_sub(input) {
+                Some(i) => self.completion.vertices[i],
+                None => vertices.get(v as usize),
+            });
+            let n = unit(cross(sub(p[1], p[0]), sub(p[2], p[0])));
+            for k in 0..3 {
+                let (a, b) = (unit(sub(p[(k + 1) % 3], p[k])), unit(sub(p[(k + 2) % 3], p[k])));
+                let angle = dot(a, b).clamp(-1.0, 1.0).acos();
+                let sum = &mut sums[self.node(face[k])];
+                *sum = [0, 1, 2].map(|i| sum[i] + angle * n[i]);
+            }
+        }
+        let agreement: f64 =
+            sums[new..].iter().zip(rim_normals).map(|(a, b)| dot(unit(*a), *b)).sum();
+        let side = if agreement < 0.0 { -1.0 } else { 1.0 };
+        sums.truncate(new);
+        sums.iter().map(|&s| unit(s).map(|x| x * side)).collect()
+    }
+
+    /// For each new face the input face that it takes after: the one at the rim that is the fewest
+    /// faces away. `None` where the rim has no input face.
+    pub fn templates(&self, input_faces: FaceView<'_>) -> Vec<Option<u32>> {
+        let faces = &self.completion.faces;
+        let edges = |f: [u32; 3]| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]];
+        let mut owner = HashMap::with_capacity(3 * faces.len());
+        for (i, &f) in faces.iter().enumerate() {
+            owner.extend(edges(f).map(|e| (e, i)));
+        }
+        let mut on_rim = vec![false; self.completion.input_vertex_count];
+        self.rim.iter().for_each(|&v| on_rim[v as usize] = true);
+        let mut found = vec![None; faces.len()];
+        let mut queue = VecDeque::new();
+        for t in 0..input_faces.len() {
+            let face = input_faces.get(t);
+            if face.iter().filter(|&&v| on_rim[v as usize]).count() < 2 {
+                continue;
+            }
+            for [a, b] in edges(face) {
+                if let Some(&i) = owner.get(&[b, a]).filter(|&&i| found[i].is_none()) {
+                    found[i] = Some(t as u32);
+                    queue.push_back(i);
+                }
+            }
+        }
+        while let Some(i) = queue.pop_front() {
+            for [a, b] in edges(faces[i]) {
+                if let Some(&j) = owner.get(&[b, a]).filter(|&&j| found[j].is_none()) {
+                    found[j] = found[i];
+                    queue.push_back(j);
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Replaces what is not finite in a column by the mean of what is, and returns the column's range.
+fn mend_column(values: &mut [f64], column: usize, columns: usize) -> f64 {
+    let finite = values.iter().skip(column).step_by(columns).filter(|x| x.is_finite());
+    let (mut low, mut high, mut sum, mut n) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
+    for &x in finite {
+        (low, high, sum, n) = (low.min(x), high.max(x), sum + x, n + 1.0);
+    }
+    let mean = if n > 0.0 { sum / n } else { 0.0 };
+    for x in values.iter_mut().skip(column).step_by(columns).filter(|x| !x.is_finite()) {
+        *x = mean;
+    }
+    (high - low).max(0.0)
+}
+
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// The direction of a vector; zero stays zero.
+pub(super) fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = dot(a, a).sqrt();
+    if length > 0.0 {
+        a.map(|x| x / length)
+    } else {
+        a
+    }
+}
+
+/// The unit normal of a triangle; zero if it has no area.
+pub(super) fn face_normal(p: [[f64; 3]; 3]) -> [f64; 3] {
+    unit(cross(sub(p[1], p[0]), sub(p[2], p[0])))
+}

@@ -1,0 +1,288 @@
+//! Mesh files: PLY, OBJ, STL and OFF, read without losing anything.
+//!
+//! A [`Document`] keeps the file's own bytes. The fill is spliced into them as new rows or lines;
+//! nothing else changes but the counts, so whatever else the file holds comes back bit for bit:
+//! unknown properties, comments, materials, the way a number was written.
+//!
+//! ```
+//! use complete_mesh::io::{Document, Extras, Format};
+//! use complete_mesh::MeshView;
+//!
+//! let text = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+//!     property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+//!     0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".to_vec();
+//! let document = Document::parse(text.clone(), Format::Ply)?;
+//! let mesh = MeshView::new(document.vertices(), document.faces());
+//! assert_eq!((mesh.vertices.len(), mesh.faces.get(0)), (3, [0, 1, 2]));
+//! assert_eq!(document.to_bytes(), text);
+//! # Ok::<(), complete_mesh::io::IoError>(())
+//! ```
+//!
+//! The readers are our own. `ply-rs-bw`, `tobj` and `stl_io` are good at getting at the geometry,
+//! but they parse into structures and write those out: f64 becomes f32, vertices are welded or
+//! reordered, unknown content, comments and the digits of the text are gone.
+
+mod attributes;
+mod edit;
+mod error;
+mod ply;
+mod polygon;
+mod text;
+
+pub use error::{IoError, Place};
+
+use crate::mesh::{FaceView, VertexView};
+use crate::result::Completion;
+use polygon::Triangles;
+use std::fmt;
+use std::path::Path;
+
+/// A mesh file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Polygon File Format (Turk 1994): ascii, binary little and big endian.
+    Ply,
+    /// Wavefront OBJ.
+    Obj,
+    /// Stereolithography, ascii or binary.
+    Stl,
+    /// Object File Format of Geomview, with or without colours and normals.
+    Off,
+}
+
+impl Format {
+    /// The format that a file name's extension stands for.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "ply" => Some(Format::Ply),
+            "obj" => Some(Format::Obj),
+            "stl" => Some(Format::Stl),
+            "off" | "coff" | "noff" => Some(Format::Off),
+            _ => None,
+        }
+    }
+
+    /// The format that a file's beginning shows. OBJ and binary STL have no mark: they are never
+    /// found this way.
+    pub fn from_content(bytes: &[u8]) -> Option<Self> {
+        let first = text::words(&bytes[..bytes.len().min(256)]).next()?;
+        match first {
+            b"ply" => Some(Format::Ply),
+            b"solid" => Some(Format::Stl),
+            _ if first.ends_with(b"OFF") => Some(Format::Off),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Format::Ply => "PLY",
+            Format::Obj => "OBJ",
+            Format::Stl => "STL",
+            Format::Off => "OFF",
+        })
+    }
+}
+
+/// What is written besides the fill itself.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// Tells new vertices from old ones in the file. PLY gets two columns: `completed` (uchar: 1
+    /// for new vertices, else 0) and `hole` (int: the hole's id, -1 for input vertices). The other
+    /// formats have no place for it: there it is [`IoError::Unsupported`].
+    pub provenance: bool,
+}
+
+/// A mesh file's content, and where in it the geometry is.
+#[derive(Debug, Clone)]
+pub struct Document {
+    bytes: Vec<u8>,
+    layout: Layout,
+    mesh: Mesh,
+    dropped: Vec<String>,
+}
+
+/// Where things lie in the bytes, format by format.
+#[derive(Debug, Clone)]
+enum Layout {
+    Ply(ply::Layout),
+}
+
+/// The geometry for the analysis.
+#[derive(Debug, Clone)]
+struct Mesh {
+    positions: Positions,
+    triangles: Triangles,
+}
+
+#[derive(Debug, Clone)]
+enum Positions {
+    /// In the file's own bytes.
+    InPlace {
+        offset: usize,
+        stride: usize,
+        count: usize,
+        single: bool,
+    },
+    Single(Vec<[f32; 3]>),
+    Double(Vec<[f64; 3]>),
+}
+
+impl Positions {
+    fn view<'a>(&'a self, bytes: &'a [u8]) -> VertexView<'a> {
+        match self {
+            &Positions::InPlace { offset, stride, count, single } => {
+                // The parser has seen that all rows are there.
+                let view = VertexView::from_bytes(&bytes[offset..], count, stride, single);
+                view.unwrap_or_else(|| VertexView::from(&[][..] as &[[f64; 3]]))
+            }
+            Positions::Single(v) => v.as_slice().into(),
+            Positions::Double(v) => v.as_slice().into(),
+        }
+    }
+}
+
+impl Mesh {
+    fn cut_polygons(&mut self, bytes: &[u8]) {
+        let positions = self.positions.view(bytes);
+        self.triangles.cut_polygons(|v| positions.get(v as usize));
+    }
+}
+
+impl Document {
+    /// Reads a file. Its name's extension settles the format; without a known one, its content.
+    pub fn read(path: &Path) -> Result<Document, IoError> {
+        let fail = |source| IoError::Read { path: path.to_owned(), source };
+        let bytes = std::fs::read(path).map_err(fail)?;
+        let format = Format::from_path(path).or_else(|| Format::from_content(&bytes));
+        let format = format.ok_or_else(|| IoError::UnknownFormat { path: path.to_owned() })?;
+        Self::parse(bytes, format).map_err(|error| match error {
+            IoError::Malformed { format, place, reason, .. } => {
+                IoError::Malformed { file: Some(path.to_owned()), format, place, reason }
+            }
+            other => other,
+        })
+    }
+
+    /// Takes a file's bytes. Reserves no more memory than the bytes justify, whatever counts they
+    /// claim.
+    pub fn parse(bytes: Vec<u8>, format: Format) -> Result<Document, IoError> {
+        let read = match format {
+            Format::Ply => ply::read(&bytes).map(|(l, m)| (Layout::Ply(l), m)),
+            _ => {
+                return Err(IoError::Unsupported { format, what: "not yet".into() });
+            }
+        };
+        let (layout, mesh) = read.map_err(|fault| fault.into_error(format))?;
+        Ok(Document { bytes, layout, mesh, dropped: Vec::new() })
+    }
+
+    /// A binary PLY (little endian) of these positions, in mesh units, and triangles.
+    pub fn from_mesh_f32(
+        vertices: Vec<[f32; 3]>,
+        faces: Vec<[u32; 3]>,
+    ) -> Result<Document, IoError> {
+        let bytes = ply::from_rows("float", &vertices, &faces, f32::to_le_bytes);
+        drop((vertices, faces));
+        Self::parse(bytes, Format::Ply)
+    }
+
+    /// The same in double precision.
+    pub fn from_mesh_f64(
+        vertices: Vec<[f64; 3]>,
+        faces: Vec<[u32; 3]>,
+    ) -> Result<Document, IoError> {
+        let bytes = ply::from_rows("double", &vertices, &faces, f64::to_le_bytes);
+        drop((vertices, faces));
+        Self::parse(bytes, Format::Ply)
+    }
+
+    /// The format that [`Document::to_bytes`] gives.
+    pub fn format(&self) -> Format {
+        match self.layout {
+            Layout::Ply(_) => Format::Ply,
+        }
+    }
+
+    /// The positions: f32 if the file holds no more than that, else f64. Binary coordinates may be
+    /// NaN or infinite; the completion checks that.
+    pub fn vertices(&self) -> VertexView<'_> {
+        self.mesh.positions.view(&self.bytes)
+    }
+
+    /// The faces as triangles, in file order, every index in range. A polygon of n corners is cut
+    /// into n - 2.
+    pub fn faces(&self) -> FaceView<'_> {
+        self.mesh.triangles.view()
+    }
+
+    /// Red, green, blue and alpha (0 to 255) of every vertex, if the file has colours.
+    pub fn vertex_colours(&self) -> Option<Vec<[u8; 4]>> {
+        match &self.layout {
+            Layout::Ply(layout) => layout.vertex_colours(&self.bytes),
+        }
+    }
+
+    /// What [`Document::convert`] had to leave behind, for the user to read; empty if nothing.
+    pub fn dropped(&self) -> &[String] {
+        &self.dropped
+    }
+
+    /// Adds a completion of [`Document::vertices`] and [`Document::faces`], each new element with
+    /// all that the file's elements carry. Numbers go on from the rim into the fill, colours and
+    /// other quantities as harmonic functions, labels from the nearest vertex; normals are the
+    /// fill's own; faces take after the nearest input face.
+    ///
+    /// Errors: [`IoError::Mismatch`] if the completion is another mesh's,
+    /// [`IoError::Unsupported`] if the file's layout has no place for it.
+    pub fn append(&mut self, completion: &Completion, extras: &Extras) -> Result<(), IoError> {
+        self.check(completion)?;
+        if completion.faces.is_empty() && completion.vertices.is_empty() && !extras.provenance {
+            return Ok(());
+        }
+        let edits = match &self.layout {
+            Layout::Ply(layout) => ply::append(layout, &self.bytes, &self.mesh, completion, extras),
+        }?;
+        let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
+        self.mesh.triangles = Triangles::default();
+        edit::splice(&mut self.bytes, edits);
+        *self = Self::parse(std::mem::take(&mut self.bytes), format)?;
+        self.dropped = dropped;
+        Ok(())
+    }
+
+    fn check(&self, completion: &Completion) -> Result<(), IoError> {
+        let counts = [self.vertices().len(), self.faces().len()];
+        let expected = [completion.input_vertex_count, completion.input_face_count];
+        let mismatch = |reason: String| Err(IoError::Mismatch { reason });
+        if counts != expected {
+            let [[v, f], [ev, ef]] = [counts, expected];
+            return mismatch(format!(
+                "it was made from {ev} vertices and {ef} faces, but there are {v} and {f}"
+            ));
+        }
+        let total = counts[0] + completion.vertices.len();
+        if u32::try_from(total).is_err()
+            || completion.vertex_hole.len() != completion.vertices.len()
+        {
+            return mismatch(format!("its arrays do not fit {total} vertices"));
+        }
+        match completion.faces.iter().position(|f| f.iter().any(|&v| v as usize >= total)) {
+            Some(f) => mismatch(format!("its face {f} names a vertex beyond {total}")),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the document in its own format: aside, in the same folder, then renamed, so that
+    /// there is never half a file. See [`Document::convert`] for another format.
+    pub fn write(&self, path: &Path) -> Result<(), IoError> {
+        edit::save(path, &self.bytes)
+    }
+
+    /// The file's content.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.bytes.clone()
+    }
+}
