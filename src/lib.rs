@@ -34,6 +34,11 @@ pub mod options;
 pub mod progress;
 pub mod result;
 
+#[cfg(feature = "io")]
+pub mod picture;
+#[cfg(feature = "io")]
+pub mod sample;
+
 pub use complete::{complete_mesh, complete_mesh_with, Completer};
 pub use error::{Error, Problem, Result};
 pub use holes::{find_holes, BoundaryLoop, Hole, HoleKind, HoleList};

@@ -1,0 +1,78 @@
+//! A 5 x 7 font of our own, for the labels.
+
+use super::Image;
+
+/// The characters drawn, each as seven rows of five bits, the leftmost the highest.
+const GLYPHS: [(char, [u8; 7]); 23] = [
+    ('0', [0x0E, 0x11, 0x11, 0x11, 0x11, 0x11, 0x0E]),
+    ('1', [0x04, 0x0C, 0x04, 0x04, 0x04, 0x04, 0x0E]),
+    ('2', [0x0E, 0x11, 0x01, 0x02, 0x04, 0x08, 0x1F]),
+    ('3', [0x0E, 0x11, 0x01, 0x06, 0x01, 0x11, 0x0E]),
+    ('4', [0x02, 0x06, 0x0A, 0x12, 0x1F, 0x02, 0x02]),
+    ('5', [0x1F, 0x10, 0x1E, 0x01, 0x01, 0x11, 0x0E]),
+    ('6', [0x06, 0x08, 0x10, 0x1E, 0x11, 0x11, 0x0E]),
+    ('7', [0x1F, 0x01, 0x02, 0x02, 0x04, 0x04, 0x04]),
+    ('8', [0x0E, 0x11, 0x11, 0x0E, 0x11, 0x11, 0x0E]),
+    ('9', [0x0E, 0x11, 0x11, 0x0F, 0x01, 0x02, 0x0C]),
+    ('a', [0x00, 0x00, 0x0E, 0x01, 0x0F, 0x11, 0x0F]),
+    ('b', [0x10, 0x10, 0x1E, 0x11, 0x11, 0x11, 0x1E]),
+    ('d', [0x01, 0x01, 0x0F, 0x11, 0x11, 0x11, 0x0F]),
+    ('e', [0x00, 0x00, 0x0E, 0x11, 0x1F, 0x10, 0x0F]),
+    ('f', [0x06, 0x08, 0x08, 0x1C, 0x08, 0x08, 0x08]),
+    ('g', [0x00, 0x0F, 0x11, 0x11, 0x0F, 0x01, 0x0E]),
+    ('h', [0x10, 0x10, 0x1E, 0x11, 0x11, 0x11, 0x11]),
+    ('l', [0x0C, 0x04, 0x04, 0x04, 0x04, 0x04, 0x0E]),
+    ('o', [0x00, 0x00, 0x0E, 0x11, 0x11, 0x11, 0x0E]),
+    ('r', [0x00, 0x00, 0x16, 0x18, 0x10, 0x10, 0x10]),
+    ('s', [0x00, 0x00, 0x0F, 0x10, 0x0E, 0x01, 0x1E]),
+    ('t', [0x08, 0x08, 0x1C, 0x08, 0x08, 0x09, 0x06]),
+    (':', [0x00, 0x04, 0x04, 0x00, 0x04, 0x04, 0x00]),
+];
+/// Pixels a dot of a glyph takes, each way.
+const DOT: usize = 2;
+const INK: [u8; 3] = [70, 72, 76];
+
+/// Writes `text` with its top left corner at (x, y). A character without a glyph (but a comma,
+/// which becomes a gap) leaves a space.
+pub(super) fn write(image: &mut Image, x: usize, y: usize, text: &str) {
+    for (i, c) in text.chars().enumerate() {
+        let Some((_, rows)) = GLYPHS.iter().find(|(g, _)| *g == c) else { continue };
+        for (row, bits) in rows.iter().enumerate() {
+            for column in (0..5).filter(|column| bits >> (4 - column) & 1 == 1) {
+                dot(image, x + (6 * i + column) * DOT, y + row * DOT);
+            }
+        }
+    }
+}
+
+fn dot(image: &mut Image, x: usize, y: usize) {
+    for (dx, dy) in (0..DOT * DOT).map(|i| (i % DOT, i / DOT)) {
+        if x + dx < image.width && y + dy < image.height {
+            image.pixels[(y + dy) * image.width + x + dx] = INK;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_label_has_its_glyphs_and_they_differ() {
+        for c in "before after hole edges 0123456789:".chars().filter(|c| *c != ' ') {
+            assert!(GLYPHS.iter().any(|(g, _)| *g == c), "no glyph for {c}");
+        }
+        for (i, a) in GLYPHS.iter().enumerate() {
+            assert!(GLYPHS[..i].iter().all(|b| b.1 != a.1), "two glyphs look like {}", a.0);
+        }
+    }
+
+    #[test]
+    fn writing_over_the_border_is_cut_off() {
+        let mut image = Image::new(8, 8, [255; 3]);
+        write(&mut image, 4, 4, "8888");
+        // Row 0 of an 8 is 01110: its second column lands at x = 6, y = 4.
+        assert_eq!(image.pixels[4 * 8 + 6], INK);
+        assert_eq!(image.pixels[4 * 8 + 4], [255; 3]);
+    }
+}
