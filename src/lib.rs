@@ -22,6 +22,8 @@
 //! [`complete`] → [`result`]. `capi` is the C face of the same calls; `io`, `sample`, `picture`
 //! and `cli` serve the command line.
 
+#[cfg(feature = "capi")]
+pub mod capi;
 pub mod complete;
 pub mod error;
 pub mod fill;

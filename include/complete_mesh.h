@@ -1,0 +1,842 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0
+ *
+ * complete-mesh: fills the holes of triangle meshes so that nobody sees where they were.
+ * Generated from src/capi by cbindgen; do not edit.
+ *
+ *   complete_mesh_result *result = NULL;
+ *   if (complete_mesh(vertices, vertex_count, faces, face_count, NULL, &result) != COMPLETE_MESH_STATUS_OK)
+ *     fprintf(stderr, "%s\n", complete_mesh_last_error_message());
+ *   else
+ *     use(complete_mesh_result_vertices(result), complete_mesh_result_vertex_count(result),
+ *         complete_mesh_result_faces(result), complete_mesh_result_face_count(result));
+ *   complete_mesh_result_free(result);
+ *
+ * The contract: the input comes back bit for bit, first, in order; the fill is manifold, oriented,
+ * joined to the rim and free of self-intersections, or the call fails and returns nothing half done.
+ *
+ * Coordinates are float unless the option vertex_type says double. Arrays that a function returns
+ * belong to the object that it was asked of, live as long as it does and are not to be written.
+ * Every accessor takes NULL, and answers 0, NULL or "". Objects may be read by many threads at once;
+ * a pointer that was freed, or never given by the library, may crash. The library keeps no global
+ * state, prints nothing, and never lets a fault of its own cross into the caller.
+ */
+
+#ifndef COMPLETE_MESH_H
+#define COMPLETE_MESH_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+// Version of this header, first number.
+#define COMPLETE_MESH_VERSION_MAJOR 0
+
+// Version of this header, second number.
+#define COMPLETE_MESH_VERSION_MINOR 1
+
+// Version of this header, third number.
+#define COMPLETE_MESH_VERSION_PATCH 0
+
+// Version of this header as one number that grows: major * 1000000 + minor * 1000 + patch.
+#define COMPLETE_MESH_VERSION (((COMPLETE_MESH_VERSION_MAJOR * 1000000) + (COMPLETE_MESH_VERSION_MINOR * 1000)) + COMPLETE_MESH_VERSION_PATCH)
+
+// Changes when programs must be compiled anew; the number in the shared library's soname. Compare
+// it with complete_mesh_abi_version() when you load the library by hand.
+#define COMPLETE_MESH_ABI_VERSION 0
+
+// What a call returns: 0 is success, everything else is negative. A failed call has no result and
+// has changed nothing; complete_mesh_last_error_message() says what was wrong and what to do.
+// Numbers are never given a second meaning.
+typedef enum complete_mesh_status {
+  // Success.
+  COMPLETE_MESH_STATUS_OK = 0,
+  // A NULL pointer that must not be, a size or stride that cannot be, a number that is none of
+  // an enum's.
+  COMPLETE_MESH_STATUS_INVALID_ARGUMENT = -1,
+  // An option is outside its range.
+  COMPLETE_MESH_STATUS_INVALID_OPTION = -2,
+  // The mesh has no faces, a coordinate that is not finite, a face that names a vertex that
+  // does not exist, or too many elements for 32-bit indices.
+  COMPLETE_MESH_STATUS_INVALID_MESH = -3,
+  // The selection names a hole that does not exist.
+  COMPLETE_MESH_STATUS_NO_SUCH_HOLE = -4,
+  // A selected hole cannot be filled safely, e.g. because loops touch in a vertex. See the
+  // option skip_unsafe.
+  COMPLETE_MESH_STATUS_UNSAFE_HOLE = -5,
+  // No fill that keeps the contract was found for a selected hole. See the option skip_unsafe.
+  COMPLETE_MESH_STATUS_HOLE_FAILED = -6,
+  // This version cannot do what was asked for.
+  COMPLETE_MESH_STATUS_UNSUPPORTED = -7,
+  // The progress function returned non-zero.
+  COMPLETE_MESH_STATUS_CANCELLED = -8,
+  // There was no memory for the result.
+  COMPLETE_MESH_STATUS_OUT_OF_MEMORY = -9,
+  // A fault of this library: please report the message.
+  COMPLETE_MESH_STATUS_INTERNAL = -99,
+} complete_mesh_status;
+
+// The number type of the coordinates, of input and result alike.
+typedef enum complete_mesh_vertex_type {
+  // float, 4 bytes. The default: what hosts and GPUs keep.
+  COMPLETE_MESH_VERTEX_TYPE_F32 = 0,
+  // double, 8 bytes.
+  COMPLETE_MESH_VERTEX_TYPE_F64 = 1,
+} complete_mesh_vertex_type;
+
+// How a fill is made.
+typedef enum complete_mesh_method {
+  // Smooth completion: triangulation, refinement, fairing.
+  COMPLETE_MESH_METHOD_SMOOTH = 0,
+  // Coherent completion, which continues what the object shows. Not in this version:
+  // COMPLETE_MESH_STATUS_UNSUPPORTED.
+  COMPLETE_MESH_METHOD_COHERENT = 1,
+} complete_mesh_method;
+
+// The smooth surface that a hole is filled with.
+typedef enum complete_mesh_fairing {
+  // The best of the others for each hole, chosen by what its surroundings show.
+  COMPLETE_MESH_FAIRING_AUTO = 0,
+  // The refined triangulation as it is.
+  COMPLETE_MESH_FAIRING_NONE = 1,
+  // Membrane: meets the rim, with a crease.
+  COMPLETE_MESH_FAIRING_C0 = 2,
+  // Thin plate: continues the tangent planes at the rim.
+  COMPLETE_MESH_FAIRING_C1 = 3,
+  // Continues the curvature, too.
+  COMPLETE_MESH_FAIRING_C2 = 4,
+  // Least-squares mesh of the fill and a band of the surroundings.
+  COMPLETE_MESH_FAIRING_LEAST_SQUARES = 5,
+  // Thin plate through the smoothed surroundings: continues shape, not roughness.
+  COMPLETE_MESH_FAIRING_SMOOTHED_PLATE = 6,
+} complete_mesh_fairing;
+
+// The edge length that new triangles aim for.
+typedef enum complete_mesh_sizing {
+  // The edge length of the surroundings, carried inward from the rim.
+  COMPLETE_MESH_SIZING_SURROUNDINGS = 0,
+  // The same, times sizing_value (0.05 to 20).
+  COMPLETE_MESH_SIZING_SCALED = 1,
+  // sizing_value everywhere, in mesh units, greater than 0.
+  COMPLETE_MESH_SIZING_EDGE_LENGTH = 2,
+  // No refinement: no vertex is added but where a valid fill needs one.
+  COMPLETE_MESH_SIZING_NONE = 3,
+} complete_mesh_sizing;
+
+// Which boundary loops are filled together, as one hole.
+typedef enum complete_mesh_grouping {
+  // Loops that face each other: islands inside a loop, the two ends of a missing band.
+  COMPLETE_MESH_GROUPING_AUTOMATIC = 0,
+  // Every loop is a hole of its own.
+  COMPLETE_MESH_GROUPING_SEPARATE = 1,
+  // The lists of join_vertices; loops in no list are holes of their own.
+  COMPLETE_MESH_GROUPING_JOIN = 2,
+} complete_mesh_grouping;
+
+// Which holes are filled.
+typedef enum complete_mesh_selection {
+  // Every hole.
+  COMPLETE_MESH_SELECTION_ALL = 0,
+  // The holes whose ids are in selection_ids.
+  COMPLETE_MESH_SELECTION_IDS = 1,
+  // Holes of at most selection_max_edges boundary edges.
+  COMPLETE_MESH_SELECTION_MAX_EDGES = 2,
+  // Holes whose loops are together at most selection_length long.
+  COMPLETE_MESH_SELECTION_MAX_CIRCUMFERENCE = 3,
+  // Holes of at most selection_length diameter.
+  COMPLETE_MESH_SELECTION_MAX_DIAMETER = 4,
+  // All but the hole with the greatest circumference: an open scan's own border.
+  COMPLETE_MESH_SELECTION_ALL_BUT_LARGEST = 5,
+  // The one hole whose rim passes nearest to selection_point.
+  COMPLETE_MESH_SELECTION_NEAR_POINT = 6,
+  // The holes whose rim contains a vertex of selection_ids; if there is none, the one hole
+  // whose rim passes nearest to these vertices.
+  COMPLETE_MESH_SELECTION_NEAR_VERTICES = 7,
+} complete_mesh_selection;
+
+// What arrays a result holds.
+typedef enum complete_mesh_output {
+  // The whole mesh (input first) and the new elements: one copy of the input.
+  COMPLETE_MESH_OUTPUT_WHOLE_MESH = 0,
+  // Only the new elements, for hosts that add to the mesh they have.
+  COMPLETE_MESH_OUTPUT_NEW_ONLY = 1,
+} complete_mesh_output;
+
+// What a hole looks like.
+typedef enum complete_mesh_hole_kind {
+  // One loop: filled by a disc.
+  COMPLETE_MESH_HOLE_KIND_DISC = 0,
+  // A loop with islands inside, which become part of the fill.
+  COMPLETE_MESH_HOLE_KIND_ISLANDS = 1,
+  // Two loops that face each other: a band is missing.
+  COMPLETE_MESH_HOLE_KIND_RING = 2,
+  // Several loops that the caller joined, or a branching gap.
+  COMPLETE_MESH_HOLE_KIND_SEVERAL = 3,
+} complete_mesh_hole_kind;
+
+// What became of a hole.
+typedef enum complete_mesh_hole_status {
+  // Found and measured; nothing was to be filled.
+  COMPLETE_MESH_HOLE_STATUS_OPEN = 0,
+  // Filled.
+  COMPLETE_MESH_HOLE_STATUS_FILLED = 1,
+  // Not selected.
+  COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED = 2,
+  // Left open because it cannot be filled safely (only with skip_unsafe).
+  COMPLETE_MESH_HOLE_STATUS_UNSAFE = 3,
+  // Left open because no fill kept the contract (only with skip_unsafe).
+  COMPLETE_MESH_HOLE_STATUS_FAILED = 4,
+} complete_mesh_hole_status;
+
+// The kinds of elements that an error or a hole's problem can name.
+typedef enum complete_mesh_element_kind {
+  // Indices of input vertices, one number each.
+  COMPLETE_MESH_ELEMENT_KIND_VERTEX = 0,
+  // Edges, two numbers each: the indices of their two input vertices.
+  COMPLETE_MESH_ELEMENT_KIND_EDGE = 1,
+  // Indices of input faces, one number each.
+  COMPLETE_MESH_ELEMENT_KIND_FACE = 2,
+  // Ids of holes, one number each.
+  COMPLETE_MESH_ELEMENT_KIND_HOLE = 3,
+} complete_mesh_element_kind;
+
+// The holes of a mesh and everything odd that was found at its boundary. Opaque; read by the
+// functions complete_mesh_holes_..., from any number of threads.
+typedef struct complete_mesh_holes complete_mesh_holes;
+
+// A mesh whose holes are known, for filling them more than once with different options. Opaque;
+// free it with complete_mesh_completer_free.
+typedef struct complete_mesh_completer complete_mesh_completer;
+
+// A completed mesh. Opaque; read by the functions complete_mesh_result_..., from any number of
+// threads; free it with complete_mesh_result_free.
+typedef struct complete_mesh_result complete_mesh_result;
+
+// Reports progress and asks whether to go on: return 0 to go on, anything else to cancel. The
+// call then returns COMPLETE_MESH_STATUS_CANCELLED, frees everything and does not call again.
+//
+// user: progress_user of the options.
+// fraction: how much is done, 0 to 1, never falling.
+// stage: what is being done, an English word or two; valid during the call only.
+//
+// Called on the thread that called the library, several times a hole. It must not throw an
+// exception or jump out; it may call the library.
+typedef int (*complete_mesh_progress_fn)(void *user, double fraction, const char *stage);
+
+// The options of every call. Initialise with complete_mesh_options_init, then change what you
+// need. Where a call takes options, NULL means the defaults.
+//
+// The struct grows at its end in later versions. A program compiled with an older, shorter struct
+// keeps working with a newer library; a newer program with an older library gets
+// COMPLETE_MESH_STATUS_UNSUPPORTED once it sets a field that the library does not know.
+typedef struct complete_mesh_options {
+  // sizeof(complete_mesh_options) as your program was compiled; complete_mesh_options_init sets
+  // it.
+  uint32_t struct_size;
+  // A complete_mesh_vertex_type. Default: COMPLETE_MESH_VERTEX_TYPE_F32, so double vertices
+  // need this set.
+  uint32_t vertex_type;
+  // Bytes from one vertex to the next; any number from 12 (F32) or 24 (F64), alignment does not
+  // matter. Default: 0, packed.
+  size_t vertex_stride;
+  // Bytes from one face to the next; any number from 12. Default: 0, packed.
+  size_t face_stride;
+  // A complete_mesh_method. Default: COMPLETE_MESH_METHOD_SMOOTH.
+  uint32_t method;
+  // A complete_mesh_fairing. Default: COMPLETE_MESH_FAIRING_AUTO.
+  uint32_t fairing;
+  // A complete_mesh_sizing. Default: COMPLETE_MESH_SIZING_SURROUNDINGS.
+  uint32_t sizing;
+  // A complete_mesh_grouping. Default: COMPLETE_MESH_GROUPING_AUTOMATIC.
+  uint32_t grouping;
+  // Read by COMPLETE_MESH_SIZING_SCALED (a factor) and COMPLETE_MESH_SIZING_EDGE_LENGTH (mesh
+  // units). Default: 1.
+  double sizing_value;
+  // A complete_mesh_selection. Default: COMPLETE_MESH_SELECTION_ALL.
+  uint32_t selection;
+  // 0: a selected hole that cannot be filled is an error for the whole call. 1: it is left open
+  // and its complete_mesh_hole says why. Default: 0.
+  uint32_t skip_unsafe;
+  // Read by COMPLETE_MESH_SELECTION_IDS (ids of holes) and COMPLETE_MESH_SELECTION_NEAR_VERTICES
+  // (indices of vertices): selection_count numbers, yours; NULL if selection_count is 0.
+  const uint32_t *selection_ids;
+  // How many numbers selection_ids has. Default: 0.
+  size_t selection_count;
+  // Read by COMPLETE_MESH_SELECTION_MAX_EDGES. Default: 0.
+  size_t selection_max_edges;
+  // Read by COMPLETE_MESH_SELECTION_MAX_CIRCUMFERENCE and _MAX_DIAMETER: mesh units, greater
+  // than 0. Default: 0.
+  double selection_length;
+  // Read by COMPLETE_MESH_SELECTION_NEAR_POINT: mesh units. Default: the origin.
+  double selection_point[3];
+  // Read by COMPLETE_MESH_GROUPING_JOIN: one list of vertices for each hole, one after the
+  // other; any vertex of a loop stands for the loop. Yours; NULL if join_count is 0.
+  const uint32_t *join_vertices;
+  // How many vertices each list has: join_count numbers, yours; NULL if join_count is 0.
+  const uint32_t *join_sizes;
+  // How many lists there are. Default: 0.
+  size_t join_count;
+  // Worker threads, 0 to 1024; 0: as many as the machine has cores. The result is the same, to
+  // the bit, for any number. Default: 0.
+  uint32_t threads;
+  // A complete_mesh_output. Default: COMPLETE_MESH_OUTPUT_WHOLE_MESH.
+  uint32_t output;
+  // Reports progress and can cancel; NULL: neither. Default: NULL.
+  complete_mesh_progress_fn progress;
+  // Handed to progress as it is; the library does not look at it. Default: NULL.
+  void *progress_user;
+} complete_mesh_options;
+
+// One hole. Lengths and positions are in mesh units.
+typedef struct complete_mesh_hole {
+  // How many bytes of the struct the library has written: at most what was asked for.
+  uint32_t struct_size;
+  // The hole's id, which is also its index.
+  uint32_t id;
+  // A complete_mesh_hole_kind.
+  uint32_t kind;
+  // A complete_mesh_hole_status.
+  uint32_t status;
+  // The complete_mesh_fairing that was used; COMPLETE_MESH_FAIRING_AUTO if not filled.
+  uint32_t fairing;
+  // 1: something at the rim keeps it from being filled safely, see
+  // complete_mesh_holes_reason and complete_mesh_holes_problem_elements. Else 0.
+  uint32_t is_unsafe;
+  // Boundary loops.
+  size_t loop_count;
+  // Boundary edges of all loops.
+  size_t edge_count;
+  // Length of all loops.
+  double circumference;
+  // Diameter of the longest loop.
+  double diameter;
+  // Centre of the longest loop.
+  double centre[3];
+  // The hole's first new vertex, counted among the new vertices.
+  size_t first_new_vertex;
+  // How many new vertices it has, one after the other.
+  size_t new_vertex_count;
+  // The hole's first new face, counted among the new faces.
+  size_t first_new_face;
+  // How many new faces it has, one after the other.
+  size_t new_face_count;
+  // Wall seconds that its fill took.
+  double seconds;
+} complete_mesh_hole;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// COMPLETE_MESH_VERSION of the library that is running.
+uint32_t complete_mesh_version(void);
+
+// The version of the library that is running, e.g. "0.1.0". A static string.
+const char *complete_mesh_version_string(void);
+
+// COMPLETE_MESH_ABI_VERSION of the library that is running.
+uint32_t complete_mesh_abi_version(void);
+
+// Fills the holes of a triangle mesh. The input is only read, and only while the call lasts.
+//
+// vertices: positions, three numbers each; float unless vertex_type of the options says double.
+// Any alignment. NULL if vertex_count is 0.
+// vertex_count: how many vertices.
+// faces: three 32-bit vertex indices each, counter-clockwise seen from outside. Any alignment.
+// NULL if face_count is 0.
+// face_count: how many faces.
+// opts: NULL for the defaults: packed float vertices, every hole, the best smooth fill.
+// result: receives the new result, to be freed with complete_mesh_result_free; NULL on failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK, also for a mesh without holes, or what was wrong. May be called
+// by any number of threads at once.
+enum complete_mesh_status complete_mesh(const void *vertices,
+                                        size_t vertex_count,
+                                        const uint32_t *faces,
+                                        size_t face_count,
+                                        const struct complete_mesh_options *opts,
+                                        struct complete_mesh_result **result);
+
+// Finds and measures the holes of a mesh and fills nothing.
+//
+// vertices, vertex_count, faces, face_count: as for complete_mesh.
+// opts: only vertex_type, the strides, grouping and progress count, but all are checked; NULL for
+// the defaults.
+// holes: receives the new list, to be freed with complete_mesh_holes_free; NULL on failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK or what was wrong. May be called by any number of threads at
+// once.
+enum complete_mesh_status complete_mesh_find_holes(const void *vertices,
+                                                   size_t vertex_count,
+                                                   const uint32_t *faces,
+                                                   size_t face_count,
+                                                   const struct complete_mesh_options *opts,
+                                                   struct complete_mesh_holes **holes);
+
+// Makes a completer: checks a mesh and finds its holes once, for many fills. It keeps pointers to
+// the arrays, not a copy: they must stay as they are until complete_mesh_completer_free.
+//
+// vertices, vertex_count, faces, face_count: as for complete_mesh.
+// opts: only vertex_type, the strides, grouping and progress count, but all are checked; NULL for
+// the defaults.
+// completer: receives the new completer, to be freed with complete_mesh_completer_free; NULL on
+// failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK or what was wrong.
+enum complete_mesh_status complete_mesh_completer_new(const void *vertices,
+                                                      size_t vertex_count,
+                                                      const uint32_t *faces,
+                                                      size_t face_count,
+                                                      const struct complete_mesh_options *opts,
+                                                      struct complete_mesh_completer **completer);
+
+// Fills holes of a completer's mesh.
+//
+// completer: not NULL. Any number of threads may use one completer at once.
+// opts: as for complete_mesh, but vertex_type, the strides and grouping were settled by
+// complete_mesh_completer_new and are not used; NULL for the defaults.
+// result: receives the new result, to be freed with complete_mesh_result_free, before or after the
+// completer; NULL on failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK or what was wrong.
+enum complete_mesh_status complete_mesh_completer_complete(const struct complete_mesh_completer *completer,
+                                                           const struct complete_mesh_options *opts,
+                                                           struct complete_mesh_result **result);
+
+// The holes of a completer's mesh, to be read with complete_mesh_holes_.... They belong to the
+// completer: do not free them. NULL for NULL.
+const struct complete_mesh_holes *complete_mesh_completer_holes(const struct complete_mesh_completer *completer);
+
+// Frees a completer; NULL is allowed. Its results live on.
+void complete_mesh_completer_free(struct complete_mesh_completer *completer);
+
+// What went wrong in the last call that failed on this thread: what, in which element, what to
+// do about it; English, UTF-8. Empty before the first failure. Calls that succeed leave it alone.
+// The string belongs to the library and is valid until the next failure on this thread.
+// Never NULL.
+const char *complete_mesh_last_error_message(void);
+
+// The elements of one kind that the last failure on this thread named, so that a host can select
+// or draw them: an unsafe hole names itself and the vertices or edges that are in the way.
+//
+// kind: a complete_mesh_element_kind.
+// count: receives how many elements there are, 0 if none; NULL is allowed. Edges take two
+// numbers each, so the array then has 2 * count of them.
+//
+// Returns NULL if there are none or kind is unknown. The array belongs to the library and is
+// valid until the next failure on this thread.
+const uint32_t *complete_mesh_last_error_elements(uint32_t kind, size_t *count);
+
+// A short English name of a status, e.g. "invalid mesh"; "unknown status" for any other number.
+// A static string, never NULL.
+const char *complete_mesh_status_name(int32_t status);
+
+// How many holes there are; their ids are 0 to this number less one. 0 for NULL.
+size_t complete_mesh_holes_count(const struct complete_mesh_holes *holes);
+
+// One hole's measures and what became of it.
+//
+// hole: id of the hole.
+// info: receives them.
+// info_size: sizeof(complete_mesh_hole) as your program was compiled; not a byte beyond is
+// written.
+//
+// Returns 1; or 0 for NULL, for a hole that does not exist and for an info_size under 8, and then
+// nothing is written.
+int32_t complete_mesh_holes_get(const struct complete_mesh_holes *holes,
+                                size_t hole,
+                                struct complete_mesh_hole *info,
+                                size_t info_size);
+
+// The vertices of one boundary loop of a hole, in the order in which a filling face runs.
+//
+// hole: id of the hole.
+// loop_index: 0 to loop_count of the hole's complete_mesh_hole, less one; the longest loop is first.
+// count: receives the number of vertices, 0 if there is no such loop; NULL is allowed.
+//
+// Returns indices of input vertices, NULL if there is no such loop. The array belongs to holes.
+const uint32_t *complete_mesh_holes_loop(const struct complete_mesh_holes *holes,
+                                         size_t hole,
+                                         size_t loop_index,
+                                         size_t *count);
+
+// Why a hole was not filled or cannot be filled safely: English, UTF-8; empty if there is no
+// reason. The string belongs to holes; an empty one, never NULL, for a hole that does not exist.
+const char *complete_mesh_holes_reason(const struct complete_mesh_holes *holes, size_t hole);
+
+// The elements of one kind that keep a hole from being filled safely.
+//
+// hole: id of the hole.
+// kind: a complete_mesh_element_kind.
+// count: receives how many elements there are; NULL is allowed. Edges take two numbers each.
+//
+// Returns NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_problem_elements(const struct complete_mesh_holes *holes,
+                                                     size_t hole,
+                                                     uint32_t kind,
+                                                     size_t *count);
+
+// Edges with more than two faces, found at or near the boundary of the mesh.
+//
+// count: receives how many edges there are; NULL is allowed.
+//
+// Returns two input vertices for each edge, NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_non_manifold_edges(const struct complete_mesh_holes *holes,
+                                                       size_t *count);
+
+// Edges whose two faces run the same way: the mesh is not oriented consistently there.
+//
+// count: receives how many edges there are; NULL is allowed.
+//
+// Returns two input vertices for each edge, NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_inconsistent_edges(const struct complete_mesh_holes *holes,
+                                                       size_t *count);
+
+// Faces that name a vertex twice; they are passed through and otherwise ignored.
+//
+// count: receives how many faces there are; NULL is allowed.
+//
+// Returns indices of input faces, NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_degenerate_faces(const struct complete_mesh_holes *holes,
+                                                     size_t *count);
+
+// Pairs of boundary vertices at the same position: the mesh is not welded there, and what looks
+// closed is a slit.
+//
+// count: receives how many pairs there are; NULL is allowed.
+//
+// Returns two input vertices for each pair, NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_duplicate_vertices(const struct complete_mesh_holes *holes,
+                                                       size_t *count);
+
+// Frees what complete_mesh_find_holes gave; NULL is allowed. Not for the holes of a result or a
+// completer, which free their own: those are const.
+void complete_mesh_holes_free(struct complete_mesh_holes *holes);
+
+// Sets an options struct to the defaults.
+//
+// opts: receives the defaults; its old content is not read.
+// struct_size: sizeof(complete_mesh_options) as your program was compiled; not a byte beyond is
+// written.
+//
+// Returns COMPLETE_MESH_STATUS_OK, or COMPLETE_MESH_STATUS_INVALID_ARGUMENT for NULL or a size
+// that cannot be; then nothing is written.
+enum complete_mesh_status complete_mesh_options_init(struct complete_mesh_options *opts,
+                                                     size_t struct_size);
+
+// The number type of the result's vertices, a complete_mesh_vertex_type: that of the input.
+uint32_t complete_mesh_result_vertex_type(const struct complete_mesh_result *result);
+
+// How many vertices the input has: the index of the first new vertex in faces.
+size_t complete_mesh_result_input_vertex_count(const struct complete_mesh_result *result);
+
+// How many faces the input has: the index of the first new face in the whole mesh.
+size_t complete_mesh_result_input_face_count(const struct complete_mesh_result *result);
+
+// How many vertices the whole mesh has; 0 if only the new elements were asked for.
+size_t complete_mesh_result_vertex_count(const struct complete_mesh_result *result);
+
+// How many faces the whole mesh has; 0 if only the new elements were asked for.
+size_t complete_mesh_result_face_count(const struct complete_mesh_result *result);
+
+// The whole mesh's vertices: the input's bit for bit, in order, then the new ones. Three numbers a
+// vertex, packed; float or double as complete_mesh_result_vertex_type says. NULL if only the new
+// elements were asked for. The array belongs to the result.
+const void *complete_mesh_result_vertices(const struct complete_mesh_result *result);
+
+// The whole mesh's faces: the input's, in order, then the new ones. Three indices a face, packed.
+// NULL if only the new elements were asked for. The array belongs to the result.
+const uint32_t *complete_mesh_result_faces(const struct complete_mesh_result *result);
+
+// How many vertices are new.
+size_t complete_mesh_result_new_vertex_count(const struct complete_mesh_result *result);
+
+// How many faces are new.
+size_t complete_mesh_result_new_face_count(const struct complete_mesh_result *result);
+
+// The new vertices alone: three numbers a vertex, packed; float or double as
+// complete_mesh_result_vertex_type says. NULL if there are none. The array belongs to the result.
+const void *complete_mesh_result_new_vertices(const struct complete_mesh_result *result);
+
+// The new faces alone: three indices a face, packed. An index below
+// complete_mesh_result_input_vertex_count is an input vertex; that count less is the index of a
+// new one. NULL if there are none. The array belongs to the result.
+const uint32_t *complete_mesh_result_new_faces(const struct complete_mesh_result *result);
+
+// For each new vertex the id of the hole that it fills. NULL if there are none. The array belongs
+// to the result.
+const uint32_t *complete_mesh_result_new_vertex_holes(const struct complete_mesh_result *result);
+
+// For each new face the id of the hole that it fills. NULL if there are none. The array belongs to
+// the result.
+const uint32_t *complete_mesh_result_new_face_holes(const struct complete_mesh_result *result);
+
+// All holes of the input, filled or not, to be read with complete_mesh_holes_.... They belong to
+// the result: do not free them. NULL for NULL.
+const struct complete_mesh_holes *complete_mesh_result_holes(const struct complete_mesh_result *result);
+
+// How many holes were filled.
+size_t complete_mesh_result_filled_count(const struct complete_mesh_result *result);
+
+// Wall seconds that the completion took.
+double complete_mesh_result_seconds(const struct complete_mesh_result *result);
+
+// CPU seconds that the process spent, in all its threads, while the completion ran.
+double complete_mesh_result_cpu_seconds(const struct complete_mesh_result *result);
+
+// Frees a result and everything that belongs to it; NULL is allowed.
+void complete_mesh_result_free(struct complete_mesh_result *result);
+
+// What went wrong in the last call that failed on this thread: what, in which element, what to
+// do about it; English, UTF-8. Empty before the first failure. Calls that succeed leave it alone.
+// The string belongs to the library and is valid until the next failure on this thread.
+// Never NULL.
+const char *complete_mesh_last_error_message(void);
+
+// The elements of one kind that the last failure on this thread named, so that a host can select
+// or draw them: an unsafe hole names itself and the vertices or edges that are in the way.
+//
+// kind: a complete_mesh_element_kind.
+// count: receives how many elements there are, 0 if none; NULL is allowed. Edges take two
+// numbers each, so the array then has 2 * count of them.
+//
+// Returns NULL if there are none or kind is unknown. The array belongs to the library and is
+// valid until the next failure on this thread.
+const uint32_t *complete_mesh_last_error_elements(uint32_t kind, size_t *count);
+
+// A short English name of a status, e.g. "invalid mesh"; "unknown status" for any other number.
+// A static string, never NULL.
+const char *complete_mesh_status_name(int32_t status);
+
+// Sets an options struct to the defaults.
+//
+// opts: receives the defaults; its old content is not read.
+// struct_size: sizeof(complete_mesh_options) as your program was compiled; not a byte beyond is
+// written.
+//
+// Returns COMPLETE_MESH_STATUS_OK, or COMPLETE_MESH_STATUS_INVALID_ARGUMENT for NULL or a size
+// that cannot be; then nothing is written.
+enum complete_mesh_status complete_mesh_options_init(struct complete_mesh_options *opts,
+                                                     size_t struct_size);
+
+// Fills the holes of a triangle mesh. The input is only read, and only while the call lasts.
+//
+// vertices: positions, three numbers each; float unless vertex_type of the options says double.
+// Any alignment. NULL if vertex_count is 0.
+// vertex_count: how many vertices.
+// faces: three 32-bit vertex indices each, counter-clockwise seen from outside. Any alignment.
+// NULL if face_count is 0.
+// face_count: how many faces.
+// opts: NULL for the defaults: packed float vertices, every hole, the best smooth fill.
+// result: receives the new result, to be freed with complete_mesh_result_free; NULL on failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK, also for a mesh without holes, or what was wrong. May be called
+// by any number of threads at once.
+enum complete_mesh_status complete_mesh(const void *vertices,
+                                        size_t vertex_count,
+                                        const uint32_t *faces,
+                                        size_t face_count,
+                                        const struct complete_mesh_options *opts,
+                                        struct complete_mesh_result **result);
+
+// Finds and measures the holes of a mesh and fills nothing.
+//
+// vertices, vertex_count, faces, face_count: as for complete_mesh.
+// opts: only vertex_type, the strides, grouping and progress count, but all are checked; NULL for
+// the defaults.
+// holes: receives the new list, to be freed with complete_mesh_holes_free; NULL on failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK or what was wrong. May be called by any number of threads at
+// once.
+enum complete_mesh_status complete_mesh_find_holes(const void *vertices,
+                                                   size_t vertex_count,
+                                                   const uint32_t *faces,
+                                                   size_t face_count,
+                                                   const struct complete_mesh_options *opts,
+                                                   struct complete_mesh_holes **holes);
+
+// Makes a completer: checks a mesh and finds its holes once, for many fills. It keeps pointers to
+// the arrays, not a copy: they must stay as they are until complete_mesh_completer_free.
+//
+// vertices, vertex_count, faces, face_count: as for complete_mesh.
+// opts: only vertex_type, the strides, grouping and progress count, but all are checked; NULL for
+// the defaults.
+// completer: receives the new completer, to be freed with complete_mesh_completer_free; NULL on
+// failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK or what was wrong.
+enum complete_mesh_status complete_mesh_completer_new(const void *vertices,
+                                                      size_t vertex_count,
+                                                      const uint32_t *faces,
+                                                      size_t face_count,
+                                                      const struct complete_mesh_options *opts,
+                                                      struct complete_mesh_completer **completer);
+
+// Fills holes of a completer's mesh.
+//
+// completer: not NULL. Any number of threads may use one completer at once.
+// opts: as for complete_mesh, but vertex_type, the strides and grouping were settled by
+// complete_mesh_completer_new and are not used; NULL for the defaults.
+// result: receives the new result, to be freed with complete_mesh_result_free, before or after the
+// completer; NULL on failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK or what was wrong.
+enum complete_mesh_status complete_mesh_completer_complete(const struct complete_mesh_completer *completer,
+                                                           const struct complete_mesh_options *opts,
+                                                           struct complete_mesh_result **result);
+
+// The holes of a completer's mesh, to be read with complete_mesh_holes_.... They belong to the
+// completer: do not free them. NULL for NULL.
+const struct complete_mesh_holes *complete_mesh_completer_holes(const struct complete_mesh_completer *completer);
+
+// Frees a completer; NULL is allowed. Its results live on.
+void complete_mesh_completer_free(struct complete_mesh_completer *completer);
+
+// The number type of the result's vertices, a complete_mesh_vertex_type: that of the input.
+uint32_t complete_mesh_result_vertex_type(const struct complete_mesh_result *result);
+
+// How many vertices the input has: the index of the first new vertex in faces.
+size_t complete_mesh_result_input_vertex_count(const struct complete_mesh_result *result);
+
+// How many faces the input has: the index of the first new face in the whole mesh.
+size_t complete_mesh_result_input_face_count(const struct complete_mesh_result *result);
+
+// How many vertices the whole mesh has; 0 if only the new elements were asked for.
+size_t complete_mesh_result_vertex_count(const struct complete_mesh_result *result);
+
+// How many faces the whole mesh has; 0 if only the new elements were asked for.
+size_t complete_mesh_result_face_count(const struct complete_mesh_result *result);
+
+// The whole mesh's vertices: the input's bit for bit, in order, then the new ones. Three numbers a
+// vertex, packed; float or double as complete_mesh_result_vertex_type says. NULL if only the new
+// elements were asked for. The array belongs to the result.
+const void *complete_mesh_result_vertices(const struct complete_mesh_result *result);
+
+// The whole mesh's faces: the input's, in order, then the new ones. Three indices a face, packed.
+// NULL if only the new elements were asked for. The array belongs to the result.
+const uint32_t *complete_mesh_result_faces(const struct complete_mesh_result *result);
+
+// How many vertices are new.
+size_t complete_mesh_result_new_vertex_count(const struct complete_mesh_result *result);
+
+// How many faces are new.
+size_t complete_mesh_result_new_face_count(const struct complete_mesh_result *result);
+
+// The new vertices alone: three numbers a vertex, packed; float or double as
+// complete_mesh_result_vertex_type says. NULL if there are none. The array belongs to the result.
+const void *complete_mesh_result_new_vertices(const struct complete_mesh_result *result);
+
+// The new faces alone: three indices a face, packed. An index below
+// complete_mesh_result_input_vertex_count is an input vertex; that count less is the index of a
+// new one. NULL if there are none. The array belongs to the result.
+const uint32_t *complete_mesh_result_new_faces(const struct complete_mesh_result *result);
+
+// For each new vertex the id of the hole that it fills. NULL if there are none. The array belongs
+// to the result.
+const uint32_t *complete_mesh_result_new_vertex_holes(const struct complete_mesh_result *result);
+
+// For each new face the id of the hole that it fills. NULL if there are none. The array belongs to
+// the result.
+const uint32_t *complete_mesh_result_new_face_holes(const struct complete_mesh_result *result);
+
+// All holes of the input, filled or not, to be read with complete_mesh_holes_.... They belong to
+// the result: do not free them. NULL for NULL.
+const struct complete_mesh_holes *complete_mesh_result_holes(const struct complete_mesh_result *result);
+
+// How many holes were filled.
+size_t complete_mesh_result_filled_count(const struct complete_mesh_result *result);
+
+// Wall seconds that the completion took.
+double complete_mesh_result_seconds(const struct complete_mesh_result *result);
+
+// CPU seconds that the process spent, in all its threads, while the completion ran.
+double complete_mesh_result_cpu_seconds(const struct complete_mesh_result *result);
+
+// Frees a result and everything that belongs to it; NULL is allowed.
+void complete_mesh_result_free(struct complete_mesh_result *result);
+
+// How many holes there are; their ids are 0 to this number less one. 0 for NULL.
+size_t complete_mesh_holes_count(const struct complete_mesh_holes *holes);
+
+// One hole's measures and what became of it.
+//
+// hole: id of the hole.
+// info: receives them.
+// info_size: sizeof(complete_mesh_hole) as your program was compiled; not a byte beyond is
+// written.
+//
+// Returns 1; or 0 for NULL, for a hole that does not exist and for an info_size under 8, and then
+// nothing is written.
+int32_t complete_mesh_holes_get(const struct complete_mesh_holes *holes,
+                                size_t hole,
+                                struct complete_mesh_hole *info,
+                                size_t info_size);
+
+// The vertices of one boundary loop of a hole, in the order in which a filling face runs.
+//
+// hole: id of the hole.
+// loop_index: 0 to loop_count of the hole's complete_mesh_hole, less one; the longest loop is first.
+// count: receives the number of vertices, 0 if there is no such loop; NULL is allowed.
+//
+// Returns indices of input vertices, NULL if there is no such loop. The array belongs to holes.
+const uint32_t *complete_mesh_holes_loop(const struct complete_mesh_holes *holes,
+                                         size_t hole,
+                                         size_t loop_index,
+                                         size_t *count);
+
+// Why a hole was not filled or cannot be filled safely: English, UTF-8; empty if there is no
+// reason. The string belongs to holes; an empty one, never NULL, for a hole that does not exist.
+const char *complete_mesh_holes_reason(const struct complete_mesh_holes *holes, size_t hole);
+
+// The elements of one kind that keep a hole from being filled safely.
+//
+// hole: id of the hole.
+// kind: a complete_mesh_element_kind.
+// count: receives how many elements there are; NULL is allowed. Edges take two numbers each.
+//
+// Returns NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_problem_elements(const struct complete_mesh_holes *holes,
+                                                     size_t hole,
+                                                     uint32_t kind,
+                                                     size_t *count);
+
+// Edges with more than two faces, found at or near the boundary of the mesh.
+//
+// count: receives how many edges there are; NULL is allowed.
+//
+// Returns two input vertices for each edge, NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_non_manifold_edges(const struct complete_mesh_holes *holes,
+                                                       size_t *count);
+
+// Edges whose two faces run the same way: the mesh is not oriented consistently there.
+//
+// count: receives how many edges there are; NULL is allowed.
+//
+// Returns two input vertices for each edge, NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_inconsistent_edges(const struct complete_mesh_holes *holes,
+                                                       size_t *count);
+
+// Faces that name a vertex twice; they are passed through and otherwise ignored.
+//
+// count: receives how many faces there are; NULL is allowed.
+//
+// Returns indices of input faces, NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_degenerate_faces(const struct complete_mesh_holes *holes,
+                                                     size_t *count);
+
+// Pairs of boundary vertices at the same position: the mesh is not welded there, and what looks
+// closed is a slit.
+//
+// count: receives how many pairs there are; NULL is allowed.
+//
+// Returns two input vertices for each pair, NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_duplicate_vertices(const struct complete_mesh_holes *holes,
+                                                       size_t *count);
+
+// Frees what complete_mesh_find_holes gave; NULL is allowed. Not for the holes of a result or a
+// completer, which free their own: those are const.
+void complete_mesh_holes_free(struct complete_mesh_holes *holes);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* COMPLETE_MESH_H */

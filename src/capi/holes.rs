@@ -1,0 +1,369 @@
+//! The holes of a mesh for C: measured, with what became of them after a completion.
+
+use super::error::{c_string, Elements};
+use super::guard::guard_value;
+use super::write_out;
+use crate::error::Problem;
+use crate::holes::{Hole, HoleKind, HoleList};
+use crate::options::Fairing;
+use crate::result::{HoleReport, HoleStatus};
+use std::ffi::{c_char, CString};
+
+/// What a hole looks like.
+#[repr(C)]
+pub enum CHoleKind {
+    /// One loop: filled by a disc.
+    Disc = 0,
+    /// A loop with islands inside, which become part of the fill.
+    Islands = 1,
+    /// Two loops that face each other: a band is missing.
+    Ring = 2,
+    /// Several loops that the caller joined, or a branching gap.
+    Several = 3,
+}
+
+/// What became of a hole.
+#[repr(C)]
+pub enum CHoleStatus {
+    /// Found and measured; nothing was to be filled.
+    Open = 0,
+    /// Filled.
+    Filled = 1,
+    /// Not selected.
+    NotSelected = 2,
+    /// Left open because it cannot be filled safely (only with skip_unsafe).
+    Unsafe = 3,
+    /// Left open because no fill kept the contract (only with skip_unsafe).
+    Failed = 4,
+}
+
+/// One hole. Lengths and positions are in mesh units.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CHole {
+    /// How many bytes of the struct the library has written: at most what was asked for.
+    pub struct_size: u32,
+    /// The hole's id, which is also its index.
+    pub id: u32,
+    /// A complete_mesh_hole_kind.
+    pub kind: u32,
+    /// A complete_mesh_hole_status.
+    pub status: u32,
+    /// The complete_mesh_fairing that was used; COMPLETE_MESH_FAIRING_AUTO if not filled.
+    pub fairing: u32,
+    /// 1: something at the rim keeps it from being filled safely, see
+    /// complete_mesh_holes_reason and complete_mesh_holes_problem_elements. Else 0.
+    pub is_unsafe: u32,
+    /// Boundary loops.
+    pub loop_count: usize,
+    /// Boundary edges of all loops.
+    pub edge_count: usize,
+    /// Length of all loops.
+    pub circumference: f64,
+    /// Diameter of the longest loop.
+    pub diameter: f64,
+    /// Centre of the longest loop.
+    pub centre: [f64; 3],
+    /// The hole's first new vertex, counted among the new vertices.
+    pub first_new_vertex: usize,
+    /// How many new vertices it has, one after the other.
+    pub new_vertex_count: usize,
+    /// The hole's first new face, counted among the new faces.
+    pub first_new_face: usize,
+    /// How many new faces it has, one after the other.
+    pub new_face_count: usize,
+    /// Wall seconds that its fill took.
+    pub seconds: f64,
+}
+
+/// One hole, ready to be asked.
+struct Entry {
+    info: CHole,
+    loops: Vec<Vec<u32>>,
+    /// Why it was not filled or cannot be; empty if all is well.
+    reason: CString,
+    elements: Elements,
+}
+
+/// The holes of a mesh and everything odd that was found at its boundary. Opaque; read by the
+/// functions complete_mesh_holes_..., from any number of threads.
+pub struct Holes {
+    entries: Vec<Entry>,
+    non_manifold_edges: Vec<u32>,
+    inconsistent_edges: Vec<u32>,
+    degenerate_faces: Vec<u32>,
+    duplicate_vertices: Vec<u32>,
+}
+
+impl Entry {
+    fn new(hole: &Hole, list: &HoleList, report: Option<&HoleReport>) -> Self {
+        let problem = match report.map(|r| &r.status) {
+            Some(HoleStatus::Unsafe(problem)) => Some(problem),
+            _ => hole.problem.as_ref(),
+        };
+        let reason = match report.map(|r| &r.status) {
+            Some(HoleStatus::Failed(error)) => error.to_string(),
+            _ => problem.map(Problem::to_string).unwrap_or_default(),
+        };
+        Entry {
+            info: info(hole, problem.is_some(), report),
+            loops: hole.loops.iter().map(|&l| list.loops[l].vertices.clone()).collect(),
+            reason: c_string(&reason),
+            elements: problem.map(Elements::of_problem).unwrap_or_default(),
+        }
+    }
+}
+
+fn info(hole: &Hole, is_unsafe: bool, report: Option<&HoleReport>) -> CHole {
+    let (vertices, faces) = report.map_or((0..0, 0..0), |r| (r.vertices.clone(), r.faces.clone()));
+    CHole {
+        struct_size: size_of::<CHole>() as u32,
+        id: hole.id as u32,
+        kind: match hole.kind {
+            HoleKind::Disc => CHoleKind::Disc,
+            HoleKind::Islands => CHoleKind::Islands,
+            HoleKind::Ring => CHoleKind::Ring,
+            HoleKind::Several => CHoleKind::Several,
+        } as u32,
+        status: match report.map(|r| &r.status) {
+            None => CHoleStatus::Open,
+            Some(HoleStatus::Filled) => CHoleStatus::Filled,
+            Some(HoleStatus::NotSelected) => CHoleStatus::NotSelected,
+            Some(HoleStatus::Unsafe(_)) => CHoleStatus::Unsafe,
+            Some(HoleStatus::Failed(_)) => CHoleStatus::Failed,
+        } as u32,
+        fairing: match report {
+            Some(HoleReport { status: HoleStatus::Filled, fairing, .. }) => {
+                fairing_number(*fairing)
+            }
+            _ => fairing_number(Fairing::Auto),
+        },
+        is_unsafe: is_unsafe as u32,
+        loop_count: hole.loops.len(),
+        edge_count: hole.edges,
+        circumference: hole.circumference,
+        diameter: hole.diameter,
+        centre: hole.centre,
+        first_new_vertex: vertices.start,
+        new_vertex_count: vertices.len(),
+        first_new_face: faces.start,
+        new_face_count: faces.len(),
+        seconds: report.map_or(0.0, |r| r.seconds),
+    }
+}
+
+fn fairing_number(fairing: Fairing) -> u32 {
+    // `ALL` has every value in the order of the C constants.
+    Fairing::ALL.iter().position(|&f| f == fairing).unwrap_or(0) as u32
+}
+
+impl Holes {
+    /// All holes of `list`, with what `reports` say became of them, by id.
+    pub(super) fn new(list: &HoleList, reports: &[HoleReport]) -> Self {
+        let flat = |pairs: &[[u32; 2]]| pairs.as_flattened().to_vec();
+        Holes {
+            entries: list
+                .holes
+                .iter()
+                .map(|h| Entry::new(h, list, reports.iter().find(|r| r.hole == h.id)))
+                .collect(),
+            non_manifold_edges: flat(&list.non_manifold_edges),
+            inconsistent_edges: flat(&list.inconsistent_edges),
+            degenerate_faces: list.degenerate_faces.clone(),
+            duplicate_vertices: flat(&list.duplicate_boundary_vertices),
+        }
+    }
+
+    pub(super) fn filled_count(&self) -> usize {
+        let filled = CHoleStatus::Filled as u32;
+        self.entries.iter().filter(|e| e.info.status == filled).count()
+    }
+}
+
+/// What a list's accessor gives: its pointer, and its count of `per_element` numbers each.
+///
+/// # Safety
+/// `holes` is NULL or alive; `count` is NULL or writable.
+unsafe fn list<'a>(
+    holes: *const Holes,
+    count: *mut usize,
+    per_element: usize,
+    of: impl FnOnce(&'a Holes) -> Option<&'a [u32]>,
+) -> *const u32 {
+    // SAFETY: by the contract of this function.
+    unsafe { write_out(count, 0) };
+    guard_value(std::ptr::null(), || {
+        // SAFETY: as above.
+        let numbers = of(unsafe { holes.as_ref() }?)?;
+        // SAFETY: as above.
+        unsafe { write_out(count, numbers.len() / per_element) };
+        (!numbers.is_empty()).then(|| numbers.as_ptr())
+    })
+}
+
+/// How many holes there are; their ids are 0 to this number less one. 0 for NULL.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_count(holes: *const Holes) -> usize {
+    // SAFETY: NULL or alive, by the contract of the header.
+    guard_value(0, || unsafe { holes.as_ref() }.map(|h| h.entries.len()))
+}
+
+/// One hole's measures and what became of it.
+///
+/// hole: id of the hole.
+/// info: receives them.
+/// info_size: sizeof(complete_mesh_hole) as your program was compiled; not a byte beyond is
+/// written.
+///
+/// Returns 1; or 0 for NULL, for a hole that does not exist and for an info_size under 8, and then
+/// nothing is written.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_get(
+    holes: *const Holes,
+    hole: usize,
+    info: *mut CHole,
+    info_size: usize,
+) -> i32 {
+    guard_value(0, || {
+        // SAFETY: NULL or alive, by the contract of the header.
+        let entry = unsafe { holes.as_ref() }?.entries.get(hole)?;
+        let size = info_size.min(size_of::<CHole>());
+        if info.is_null() || size < 8 {
+            return None;
+        }
+        let written = CHole { struct_size: size as u32, ..entry.info };
+        // SAFETY: the caller answers for `info_size` writable bytes.
+        unsafe {
+            std::ptr::copy_nonoverlapping(
+                std::ptr::from_ref(&written).cast(),
+                info.cast::<u8>(),
+                size,
+            );
+        }
+        Some(1)
+    })
+}
+
+/// The vertices of one boundary loop of a hole, in the order in which a filling face runs.
+///
+/// hole: id of the hole.
+/// loop_index: 0 to loop_count of the hole's complete_mesh_hole, less one; the longest loop is first.
+/// count: receives the number of vertices, 0 if there is no such loop; NULL is allowed.
+///
+/// Returns indices of input vertices, NULL if there is no such loop. The array belongs to holes.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_loop(
+    holes: *const Holes,
+    hole: usize,
+    loop_index: usize,
+    count: *mut usize,
+) -> *const u32 {
+    // SAFETY: by the contract of the header.
+    unsafe {
+        list(holes, count, 1, |h| h.entries.get(hole)?.loops.get(loop_index).map(Vec::as_slice))
+    }
+}
+
+/// Why a hole was not filled or cannot be filled safely: English, UTF-8; empty if there is no
+/// reason. The string belongs to holes; an empty one, never NULL, for a hole that does not exist.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_reason(
+    holes: *const Holes,
+    hole: usize,
+) -> *const c_char {
+    guard_value(c"".as_ptr(), || {
+        // SAFETY: NULL or alive, by the contract of the header.
+        Some(unsafe { holes.as_ref() }?.entries.get(hole)?.reason.as_ptr())
+    })
+}
+
+/// The elements of one kind that keep a hole from being filled safely.
+///
+/// hole: id of the hole.
+/// kind: a complete_mesh_element_kind.
+/// count: receives how many elements there are; NULL is allowed. Edges take two numbers each.
+///
+/// Returns NULL if there are none. The array belongs to holes.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_problem_elements(
+    holes: *const Holes,
+    hole: usize,
+    kind: u32,
+    count: *mut usize,
+) -> *const u32 {
+    let per_element = if kind == super::error::ElementKind::Edge as u32 { 2 } else { 1 };
+    // SAFETY: by the contract of the header.
+    unsafe {
+        list(holes, count, per_element, |h| Some(h.entries.get(hole)?.elements.list(kind)?.0))
+    }
+}
+
+/// Edges with more than two faces, found at or near the boundary of the mesh.
+///
+/// count: receives how many edges there are; NULL is allowed.
+///
+/// Returns two input vertices for each edge, NULL if there are none. The array belongs to holes.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_non_manifold_edges(
+    holes: *const Holes,
+    count: *mut usize,
+) -> *const u32 {
+    // SAFETY: by the contract of the header.
+    unsafe { list(holes, count, 2, |h| Some(&h.non_manifold_edges)) }
+}
+
+/// Edges whose two faces run the same way: the mesh is not oriented consistently there.
+///
+/// count: receives how many edges there are; NULL is allowed.
+///
+/// Returns two input vertices for each edge, NULL if there are none. The array belongs to holes.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_inconsistent_edges(
+    holes: *const Holes,
+    count: *mut usize,
+) -> *const u32 {
+    // SAFETY: by the contract of the header.
+    unsafe { list(holes, count, 2, |h| Some(&h.inconsistent_edges)) }
+}
+
+/// Faces that name a vertex twice; they are passed through and otherwise ignored.
+///
+/// count: receives how many faces there are; NULL is allowed.
+///
+/// Returns indices of input faces, NULL if there are none. The array belongs to holes.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_degenerate_faces(
+    holes: *const Holes,
+    count: *mut usize,
+) -> *const u32 {
+    // SAFETY: by the contract of the header.
+    unsafe { list(holes, count, 1, |h| Some(&h.degenerate_faces)) }
+}
+
+/// Pairs of boundary vertices at the same position: the mesh is not welded there, and what looks
+/// closed is a slit.
+///
+/// count: receives how many pairs there are; NULL is allowed.
+///
+/// Returns two input vertices for each pair, NULL if there are none. The array belongs to holes.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_duplicate_vertices(
+    holes: *const Holes,
+    count: *mut usize,
+) -> *const u32 {
+    // SAFETY: by the contract of the header.
+    unsafe { list(holes, count, 2, |h| Some(&h.duplicate_vertices)) }
+}
+
+/// Frees what complete_mesh_find_holes gave; NULL is allowed. Not for the holes of a result or a
+/// completer, which free their own: those are const.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_free(holes: *mut Holes) {
+    guard_value((), || {
+        if !holes.is_null() {
+            // SAFETY: made by `Box::into_raw` in `complete_mesh_find_holes`, freed once.
+            drop(unsafe { Box::from_raw(holes) });
+        }
+        None
+    })
+}

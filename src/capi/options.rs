@@ -1,0 +1,433 @@
+//! The options struct of the C ABI, and how it is read: nothing unknown is ignored.
+
+use super::error::{Failure, Status};
+use super::guard::guard;
+use crate::options::{Fairing, Grouping, Method, Options, Selection, Sizing};
+use std::ffi::{c_char, c_int, c_void};
+
+/// The number type of the coordinates, of input and result alike.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CVertexType {
+    /// float, 4 bytes. The default: what hosts and GPUs keep.
+    F32 = 0,
+    /// double, 8 bytes.
+    F64 = 1,
+}
+
+/// How a fill is made.
+#[repr(C)]
+pub enum CMethod {
+    /// Smooth completion: triangulation, refinement, fairing.
+    Smooth = 0,
+    /// Coherent completion, which continues what the object shows. Not in this version:
+    /// COMPLETE_MESH_STATUS_UNSUPPORTED.
+    Coherent = 1,
+}
+
+/// The smooth surface that a hole is filled with.
+#[repr(C)]
+pub enum CFairing {
+    /// The best of the others for each hole, chosen by what its surroundings show.
+    Auto = 0,
+    /// The refined triangulation as it is.
+    None = 1,
+    /// Membrane: meets the rim, with a crease.
+    C0 = 2,
+    /// Thin plate: continues the tangent planes at the rim.
+    C1 = 3,
+    /// Continues the curvature, too.
+    C2 = 4,
+    /// Least-squares mesh of the fill and a band of the surroundings.
+    LeastSquares = 5,
+    /// Thin plate through the smoothed surroundings: continues shape, not roughness.
+    SmoothedPlate = 6,
+}
+
+/// The edge length that new triangles aim for.
+#[repr(C)]
+pub enum CSizing {
+    /// The edge length of the surroundings, carried inward from the rim.
+    Surroundings = 0,
+    /// The same, times sizing_value (0.05 to 20).
+    Scaled = 1,
+    /// sizing_value everywhere, in mesh units, greater than 0.
+    EdgeLength = 2,
+    /// No refinement: no vertex is added but where a valid fill needs one.
+    None = 3,
+}
+
+/// Which boundary loops are filled together, as one hole.
+#[repr(C)]
+pub enum CGrouping {
+    /// Loops that face each other: islands inside a loop, the two ends of a missing band.
+    Automatic = 0,
+    /// Every loop is a hole of its own.
+    Separate = 1,
+    /// The lists of join_vertices; loops in no list are holes of their own.
+    Join = 2,
+}
+
+/// Which holes are filled.
+#[repr(C)]
+pub enum CSelection {
+    /// Every hole.
+    All = 0,
+    /// The holes whose ids are in selection_ids.
+    Ids = 1,
+    /// Holes of at most selection_max_edges boundary edges.
+    MaxEdges = 2,
+    /// Holes whose loops are together at most selection_length long.
+    MaxCircumference = 3,
+    /// Holes of at most selection_length diameter.
+    MaxDiameter = 4,
+    /// All but the hole with the greatest circumference: an open scan's own border.
+    AllButLargest = 5,
+    /// The one hole whose rim passes nearest to selection_point.
+    NearPoint = 6,
+    /// The holes whose rim contains a vertex of selection_ids; if there is none, the one hole
+    /// whose rim passes nearest to these vertices.
+    NearVertices = 7,
+}
+
+/// What arrays a result holds.
+#[repr(C)]
+pub enum COutput {
+    /// The whole mesh (input first) and the new elements: one copy of the input.
+    WholeMesh = 0,
+    /// Only the new elements, for hosts that add to the mesh they have.
+    NewOnly = 1,
+}
+
+/// Reports progress and asks whether to go on: return 0 to go on, anything else to cancel. The
+/// call then returns COMPLETE_MESH_STATUS_CANCELLED, frees everything and does not call again.
+///
+/// user: progress_user of the options.
+/// fraction: how much is done, 0 to 1, never falling.
+/// stage: what is being done, an English word or two; valid during the call only.
+///
+/// Called on the thread that called the library, several times a hole. It must not throw an
+/// exception or jump out; it may call the library.
+pub type CProgressFn =
+    Option<unsafe extern "C" fn(user: *mut c_void, fraction: f64, stage: *const c_char) -> c_int>;
+
+/// The options of every call. Initialise with complete_mesh_options_init, then change what you
+/// need. Where a call takes options, NULL means the defaults.
+///
+/// The struct grows at its end in later versions. A program compiled with an older, shorter struct
+/// keeps working with a newer library; a newer program with an older library gets
+/// COMPLETE_MESH_STATUS_UNSUPPORTED once it sets a field that the library does not know.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct COptions {
+    /// sizeof(complete_mesh_options) as your program was compiled; complete_mesh_options_init sets
+    /// it.
+    pub struct_size: u32,
+    /// A complete_mesh_vertex_type. Default: COMPLETE_MESH_VERTEX_TYPE_F32, so double vertices
+    /// need this set.
+    pub vertex_type: u32,
+    /// Bytes from one vertex to the next; any number from 12 (F32) or 24 (F64), alignment does not
+    /// matter. Default: 0, packed.
+    pub vertex_stride: usize,
+    /// Bytes from one face to the next; any number from 12. Default: 0, packed.
+    pub face_stride: usize,
+    /// A complete_mesh_method. Default: COMPLETE_MESH_METHOD_SMOOTH.
+    pub method: u32,
+    /// A complete_mesh_fairing. Default: COMPLETE_MESH_FAIRING_AUTO.
+    pub fairing: u32,
+    /// A complete_mesh_sizing. Default: COMPLETE_MESH_SIZING_SURROUNDINGS.
+    pub sizing: u32,
+    /// A complete_mesh_grouping. Default: COMPLETE_MESH_GROUPING_AUTOMATIC.
+    pub grouping: u32,
+    /// Read by COMPLETE_MESH_SIZING_SCALED (a factor) and COMPLETE_MESH_SIZING_EDGE_LENGTH (mesh
+    /// units). Default: 1.
+    pub sizing_value: f64,
+    /// A complete_mesh_selection. Default: COMPLETE_MESH_SELECTION_ALL.
+    pub selection: u32,
+    /// 0: a selected hole that cannot be filled is an error for the whole call. 1: it is left open
+    /// and its complete_mesh_hole says why. Default: 0.
+    pub skip_unsafe: u32,
+    /// Read by COMPLETE_MESH_SELECTION_IDS (ids of holes) and COMPLETE_MESH_SELECTION_NEAR_VERTICES
+    /// (indices of vertices): selection_count numbers, yours; NULL if selection_count is 0.
+    pub selection_ids: *const u32,
+    /// How many numbers selection_ids has. Default: 0.
+    pub selection_count: usize,
+    /// Read by COMPLETE_MESH_SELECTION_MAX_EDGES. Default: 0.
+    pub selection_max_edges: usize,
+    /// Read by COMPLETE_MESH_SELECTION_MAX_CIRCUMFERENCE and _MAX_DIAMETER: mesh units, greater
+    /// than 0. Default: 0.
+    pub selection_length: f64,
+    /// Read by COMPLETE_MESH_SELECTION_NEAR_POINT: mesh units. Default: the origin.
+    pub selection_point: [f64; 3],
+    /// Read by COMPLETE_MESH_GROUPING_JOIN: one list of vertices for each hole, one after the
+    /// other; any vertex of a loop stands for the loop. Yours; NULL if join_count is 0.
+    pub join_vertices: *const u32,
+    /// How many vertices each list has: join_count numbers, yours; NULL if join_count is 0.
+    pub join_sizes: *const u32,
+    /// How many lists there are. Default: 0.
+    pub join_count: usize,
+    /// Worker threads, 0 to 1024; 0: as many as the machine has cores. The result is the same, to
+    /// the bit, for any number. Default: 0.
+    pub threads: u32,
+    /// A complete_mesh_output. Default: COMPLETE_MESH_OUTPUT_WHOLE_MESH.
+    pub output: u32,
+    /// Reports progress and can cancel; NULL: neither. Default: NULL.
+    pub progress: CProgressFn,
+    /// Handed to progress as it is; the library does not look at it. Default: NULL.
+    pub progress_user: *mut c_void,
+}
+
+/// More threads than any machine has cores for one call; a garbage number would start them all.
+const MAX_THREADS: u32 = 1024;
+
+/// No version of the struct comes near this: a greater struct_size is garbage.
+const MAX_STRUCT_SIZE: usize = 4096;
+
+/// struct_size and vertex_type: less than the first version could never have had.
+const MIN_STRUCT_SIZE: usize = 8;
+
+impl COptions {
+    pub(super) fn defaults() -> Self {
+        COptions {
+            struct_size: size_of::<COptions>() as u32,
+            vertex_type: CVertexType::F32 as u32,
+            vertex_stride: 0,
+            face_stride: 0,
+            method: CMethod::Smooth as u32,
+            fairing: CFairing::Auto as u32,
+            sizing: CSizing::Surroundings as u32,
+            grouping: CGrouping::Automatic as u32,
+            sizing_value: 1.0,
+            selection: CSelection::All as u32,
+            skip_unsafe: 0,
+            selection_ids: std::ptr::null(),
+            selection_count: 0,
+            selection_max_edges: 0,
+            selection_length: 0.0,
+            selection_point: [0.0; 3],
+            join_vertices: std::ptr::null(),
+            join_sizes: std::ptr::null(),
+            join_count: 0,
+            threads: 0,
+            output: COutput::WholeMesh as u32,
+            progress: None,
+            progress_user: std::ptr::null_mut(),
+        }
+    }
+
+    /// The caller's options, over the defaults as far as his struct reaches.
+    ///
+    /// # Safety
+    /// `opts` is NULL or has as many readable bytes as its first field says.
+    pub(super) unsafe fn read(opts: *const COptions) -> Result<Self, Failure> {
+        let mut read = Self::defaults();
+        if opts.is_null() {
+            return Ok(read);
+        }
+        // SAFETY: at least the first field is there; nothing is said about alignment.
+        let size = unsafe { opts.cast::<u32>().read_unaligned() } as usize;
+        if !is_struct_size(size) {
+            return Err(Failure::argument(format!(
+                "options struct_size is {size}, which no version of complete_mesh_options has had: \
+                 call complete_mesh_options_init first"
+            )));
+        }
+        let known = size.min(size_of::<COptions>());
+        // SAFETY: `known` bytes are readable there and writable here. Every field is valid for any
+        // bytes: numbers, pointers, and a function pointer whose NULL is `None`.
+        unsafe {
+            std::ptr::copy_nonoverlapping(
+                opts.cast::<u8>(),
+                std::ptr::from_mut(&mut read).cast(),
+                known,
+            );
+        }
+        // SAFETY: the caller says that `size` bytes are his struct.
+        let beyond =
+            unsafe { std::slice::from_raw_parts(opts.cast::<u8>().add(known), size - known) };
+        if beyond.iter().any(|&b| b != 0) {
+            return Err(Failure::new(
+                Status::Unsupported,
+                "an option is set that this older version of the library does not know: \
+                 update the library or leave the option at its default",
+            ));
+        }
+        Ok(read)
+    }
+
+    /// Whether the vertices are f32, else f64.
+    pub(super) fn single(&self) -> Result<bool, Failure> {
+        match self.vertex_type {
+            0 => Ok(true),
+            1 => Ok(false),
+            other => Err(unknown("vertex_type", other, "complete_mesh_vertex_type")),
+        }
+    }
+
+    /// Whether the result shall hold the whole mesh.
+    pub(super) fn whole_mesh(&self) -> Result<bool, Failure> {
+        match self.output {
+            0 => Ok(true),
+            1 => Ok(false),
+            other => Err(unknown("output", other, "complete_mesh_output")),
+        }
+    }
+
+    /// The same options for Rust.
+    ///
+    /// # Safety
+    /// The arrays are as long as their counts say.
+    pub(super) unsafe fn to_rust(&self) -> Result<Options, Failure> {
+        if self.threads > MAX_THREADS {
+            return Err(Failure::new(
+                Status::InvalidOption,
+                format!("option threads: {} is more than {MAX_THREADS}", self.threads),
+            ));
+        }
+        let skip_unsafe = match self.skip_unsafe {
+            0 => false,
+            1 => true,
+            other => {
+                return Err(Failure::argument(format!(
+                    "option skip_unsafe is {other}: only 0 and 1 are allowed"
+                )))
+            }
+        };
+        Ok(Options {
+            method: match self.method {
+                0 => Method::Smooth,
+                1 => Method::Coherent,
+                other => return Err(unknown("method", other, "complete_mesh_method")),
+            },
+            fairing: *Fairing::ALL
+                .get(self.fairing as usize)
+                .ok_or_else(|| unknown("fairing", self.fairing, "complete_mesh_fairing"))?,
+            sizing: match self.sizing {
+                0 => Sizing::Surroundings,
+                1 => Sizing::Scaled(self.sizing_value),
+                2 => Sizing::EdgeLength(self.sizing_value),
+                3 => Sizing::None,
+                other => return Err(unknown("sizing", other, "complete_mesh_sizing")),
+            },
+            // SAFETY: the caller of this function answers for the arrays.
+            grouping: unsafe { self.grouping() }?,
+            // SAFETY: as above.
+            selection: unsafe { self.selection() }?,
+            skip_unsafe,
+            threads: self.threads as usize,
+        })
+    }
+
+    unsafe fn selection(&self) -> Result<Selection, Failure> {
+        // SAFETY: the caller of `to_rust` answers for the array.
+        let ids = || unsafe { array("selection_ids", self.selection_ids, self.selection_count) };
+        Ok(match self.selection {
+            0 => Selection::All,
+            1 => Selection::Ids(ids()?.iter().map(|&id| id as usize).collect()),
+            2 => Selection::MaxEdges(self.selection_max_edges),
+            3 => Selection::MaxCircumference(self.selection_length),
+            4 => Selection::MaxDiameter(self.selection_length),
+            5 => Selection::AllButLargest,
+            6 => Selection::NearPoint(self.selection_point),
+            7 => Selection::NearVertices(ids()?),
+            other => return Err(unknown("selection", other, "complete_mesh_selection")),
+        })
+    }
+
+    unsafe fn grouping(&self) -> Result<Grouping, Failure> {
+        match self.grouping {
+            0 => Ok(Grouping::Automatic),
+            1 => Ok(Grouping::Separate),
+            2 => {
+                // SAFETY: the caller of `to_rust` answers for the array.
+                let sizes = unsafe { array("join_sizes", self.join_sizes, self.join_count) }?;
+                let total = sizes.iter().fold(0usize, |sum, &s| sum.saturating_add(s as usize));
+                // SAFETY: as above.
+                let vertices = unsafe { array("join_vertices", self.join_vertices, total) }?;
+                let mut rest = &vertices[..];
+                Ok(Grouping::Join(
+                    sizes
+                        .iter()
+                        .map(|&size| {
+                            let (list, after) = rest.split_at(size as usize);
+                            rest = after;
+                            list.to_vec()
+                        })
+                        .collect(),
+                ))
+            }
+            other => Err(unknown("grouping", other, "complete_mesh_grouping")),
+        }
+    }
+}
+
+fn unknown(field: &str, value: u32, name: &str) -> Failure {
+    Failure::argument(format!("option {field} is {value}, which is no {name}"))
+}
+
+/// A copy of a caller's array, which need not be aligned.
+unsafe fn array(name: &str, data: *const u32, count: usize) -> Result<Vec<u32>, Failure> {
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    if data.is_null() {
+        return Err(Failure::argument(format!(
+            "{name} is NULL, but {count} numbers are asked of it"
+        )));
+    }
+    // Holes and vertices are numbered with 32 bits: a longer list is garbage.
+    if count > u32::MAX as usize || count > isize::MAX as usize / 4 {
+        return Err(Failure::argument(format!("{name} cannot have {count} numbers")));
+    }
+    let mut copy: Vec<u32> = Vec::new();
+    copy.try_reserve_exact(count)
+        .map_err(|_| Failure::new(Status::OutOfMemory, format!("no memory for {name}")))?;
+    // SAFETY: the caller answers for `count` readable numbers; as many are reserved.
+    unsafe {
+        std::ptr::copy_nonoverlapping(data.cast::<u8>(), copy.as_mut_ptr().cast(), count * 4);
+        copy.set_len(count);
+    }
+    Ok(copy)
+}
+
+/// Whether a caller's struct may have this size. Every field is 4 or 8 bytes wide and the narrow
+/// ones come in pairs, so a multiple of the alignment, which any sizeof is, cuts no field.
+fn is_struct_size(size: usize) -> bool {
+    (MIN_STRUCT_SIZE..=MAX_STRUCT_SIZE).contains(&size)
+        && size.is_multiple_of(align_of::<COptions>())
+}
+
+/// Sets an options struct to the defaults.
+///
+/// opts: receives the defaults; its old content is not read.
+/// struct_size: sizeof(complete_mesh_options) as your program was compiled; not a byte beyond is
+/// written.
+///
+/// Returns COMPLETE_MESH_STATUS_OK, or COMPLETE_MESH_STATUS_INVALID_ARGUMENT for NULL or a size
+/// that cannot be; then nothing is written.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_options_init(
+    opts: *mut COptions,
+    struct_size: usize,
+) -> Status {
+    guard(|| {
+        if opts.is_null() {
+            return Err(Failure::argument("opts is NULL"));
+        }
+        if !is_struct_size(struct_size) {
+            return Err(Failure::argument(format!(
+                "struct_size is {struct_size}: pass sizeof(complete_mesh_options)"
+            )));
+        }
+        let defaults = COptions { struct_size: struct_size as u32, ..COptions::defaults() };
+        let known = struct_size.min(size_of::<COptions>());
+        // SAFETY: the caller answers for `struct_size` writable bytes. What a newer caller has
+        // beyond the known fields becomes zero, which every later field means as its default.
+        unsafe {
+            let bytes = opts.cast::<u8>();
+            std::ptr::copy_nonoverlapping(std::ptr::from_ref(&defaults).cast(), bytes, known);
+            bytes.add(known).write_bytes(0, struct_size - known);
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,40 @@
+/* A unit sphere with two holes whose measures are known in closed form: the cap at the north pole
+ * and a patch at the equator. The sphere itself says where new vertices have to be. */
+#ifndef BALL_H
+#define BALL_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+/* For the memory check, which runs some fifty times slower. */
+#ifdef SMALL_BALL
+enum { AROUND = 12, STACKS = 8, CAP = 2, PATCH_ROW = 4, PATCH_SIZE = 2 };
+#else
+enum { AROUND = 32, STACKS = 24, CAP = 4, PATCH_ROW = 11, PATCH_SIZE = 3 };
+#endif
+enum {
+  RINGS = STACKS - CAP, /* rings at CAP, CAP + 1, ..., STACKS - 1 of STACKS */
+  VERTICES = RINGS * AROUND + 1,
+  FACES = 2 * (RINGS - 1) * AROUND + AROUND - 2 * PATCH_SIZE * PATCH_SIZE,
+  CAP_EDGES = AROUND,
+  PATCH_EDGES = 4 * PATCH_SIZE
+};
+
+struct ball {
+  float vertices[VERTICES][3];
+  uint32_t faces[FACES][3];
+};
+
+/* Angle from the north pole of a ring of vertices, in radians. */
+double ball_angle(int ring);
+
+/* Length of one edge of the cap's rim, of its polygon and not of the circle. */
+double cap_edge(void);
+
+/* The vertices inside the patch stay in the array, named by no face: they must come back, too. */
+void make_ball(struct ball *ball);
+
+#endif
