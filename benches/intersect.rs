@@ -3,6 +3,8 @@
 //! `cargo bench --bench intersect`. Measured on one thread of a shared cloud CPU: see the figures
 //! beside each bench.
 
+#![allow(missing_docs)] // what the macros of criterion make
+
 use complete_mesh::intersect::{find_intersections, Bvh};
 use criterion::{criterion_group, criterion_main, Criterion};
 use glam::DVec3;
