@@ -23,10 +23,14 @@
 //! reordered, unknown content, comments and the digits of the text are gone.
 
 mod attributes;
+mod convert;
 mod edit;
 mod error;
+mod obj;
+mod off;
 mod ply;
 mod polygon;
+mod stl;
 mod text;
 
 pub use error::{IoError, Place};
@@ -108,6 +112,9 @@ pub struct Document {
 #[derive(Debug, Clone)]
 enum Layout {
     Ply(ply::Layout),
+    Obj,
+    Stl(stl::Layout),
+    Off(off::Layout),
 }
 
 /// The geometry for the analysis.
@@ -131,6 +138,16 @@ enum Positions {
 }
 
 impl Positions {
+    /// Of a text format, which does not say how precise it is: `single` if every number's digits
+    /// survive in f32.
+    fn from_text(points: Vec<[f64; 3]>, single: bool) -> Self {
+        if single {
+            Positions::Single(points.into_iter().map(|p| p.map(|x| x as f32)).collect())
+        } else {
+            Positions::Double(points)
+        }
+    }
+
     fn view<'a>(&'a self, bytes: &'a [u8]) -> VertexView<'a> {
         match self {
             &Positions::InPlace { offset, stride, count, single } => {
@@ -171,9 +188,9 @@ impl Document {
     pub fn parse(bytes: Vec<u8>, format: Format) -> Result<Document, IoError> {
         let read = match format {
             Format::Ply => ply::read(&bytes).map(|(l, m)| (Layout::Ply(l), m)),
-            _ => {
-                return Err(IoError::Unsupported { format, what: "not yet".into() });
-            }
+            Format::Obj => obj::read(&bytes).map(|m| (Layout::Obj, m)),
+            Format::Stl => stl::read(&bytes).map(|(l, m)| (Layout::Stl(l), m)),
+            Format::Off => off::read(&bytes).map(|(l, m)| (Layout::Off(l), m)),
         };
         let (layout, mesh) = read.map_err(|fault| fault.into_error(format))?;
         Ok(Document { bytes, layout, mesh, dropped: Vec::new() })
@@ -203,6 +220,9 @@ impl Document {
     pub fn format(&self) -> Format {
         match self.layout {
             Layout::Ply(_) => Format::Ply,
+            Layout::Obj => Format::Obj,
+            Layout::Stl(_) => Format::Stl,
+            Layout::Off(_) => Format::Off,
         }
     }
 
@@ -222,7 +242,47 @@ impl Document {
     pub fn vertex_colours(&self) -> Option<Vec<[u8; 4]>> {
         match &self.layout {
             Layout::Ply(layout) => layout.vertex_colours(&self.bytes),
+            Layout::Obj => obj::vertex_colours(&self.bytes),
+            Layout::Stl(_) => None,
+            Layout::Off(layout) => layout.vertex_colours(&self.bytes),
         }
+    }
+
+    /// The file's own faces, polygons as they are.
+    fn each_face(&self, mut face: impl FnMut(&[u32])) -> error::Parsed<()> {
+        match &self.layout {
+            Layout::Ply(layout) => layout.each_face(&self.bytes, face),
+            Layout::Obj => obj::each_face(&self.bytes, face),
+            Layout::Stl(_) => {
+                self.mesh.triangles.faces.iter().for_each(|f| face(f));
+                Ok(())
+            }
+            Layout::Off(layout) => layout.each_face(&self.bytes, face),
+        }
+    }
+
+    /// What the file holds besides positions, colours and faces.
+    fn extras(&self) -> Vec<String> {
+        match &self.layout {
+            Layout::Ply(layout) => layout.extras(),
+            Layout::Obj => obj::extra_statements(&self.bytes),
+            Layout::Stl(layout) => layout.extras(&self.bytes),
+            Layout::Off(layout) => layout.extras(&self.bytes),
+        }
+    }
+
+    /// The same mesh in another format, which has to happen before it is completed: STL numbers
+    /// the vertices anew. Positions, vertex colours (as 8 bits a channel) and faces are kept;
+    /// [`Document::dropped`] of the result lists the rest. In its own format, a plain copy.
+    pub fn convert(&self, format: Format) -> Result<Document, IoError> {
+        if format == self.format() {
+            return Ok(self.clone());
+        }
+        let (bytes, mut dropped) = convert::convert(self, format)?;
+        let mut document = Self::parse(bytes, format)?;
+        document.dropped.append(&mut self.dropped.clone());
+        document.dropped.append(&mut dropped);
+        Ok(document)
     }
 
     /// What [`Document::convert`] had to leave behind, for the user to read; empty if nothing.
@@ -242,10 +302,19 @@ impl Document {
         if completion.faces.is_empty() && completion.vertices.is_empty() && !extras.provenance {
             return Ok(());
         }
+        let (bytes, mesh) = (&self.bytes, &self.mesh);
         let edits = match &self.layout {
-            Layout::Ply(layout) => ply::append(layout, &self.bytes, &self.mesh, completion, extras),
+            Layout::Ply(layout) => ply::append(layout, bytes, mesh, completion, extras),
+            _ if extras.provenance => {
+                let what = "it has no place for the columns of provenance; write PLY".into();
+                Err(IoError::Unsupported { format: self.format(), what })
+            }
+            Layout::Obj => obj::append(bytes, mesh, completion),
+            Layout::Stl(layout) => stl::append(layout, bytes, mesh, completion),
+            Layout::Off(layout) => off::append(layout, bytes, mesh, completion),
         }?;
         let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
+        // Not two face lists at a time. What `append` made is valid: it reads back.
         self.mesh.triangles = Triangles::default();
         edit::splice(&mut self.bytes, edits);
         *self = Self::parse(std::mem::take(&mut self.bytes), format)?;
@@ -268,6 +337,11 @@ impl Document {
             || completion.vertex_hole.len() != completion.vertices.len()
         {
             return mismatch(format!("its arrays do not fit {total} vertices"));
+        }
+        let single = self.vertices().is_single();
+        let finite = |x: &f64| if single { (*x as f32).is_finite() } else { x.is_finite() };
+        if let Some(v) = completion.vertices.iter().position(|p| !p.iter().all(finite)) {
+            return mismatch(format!("its vertex {v} is not finite"));
         }
         match completion.faces.iter().position(|f| f.iter().any(|&v| v as usize >= total)) {
             Some(f) => mismatch(format!("its face {f} names a vertex beyond {total}")),

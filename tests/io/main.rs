@@ -1,7 +1,12 @@
 //! Mesh files through the public interface: what comes back, what is added, what is refused.
 #![cfg(feature = "io")]
 
+mod convert;
+mod hostile;
+mod obj;
+mod off;
 mod ply;
+mod stl;
 
 use complete_mesh::io::{Document, Format, IoError};
 use complete_mesh::Completion;
@@ -9,6 +14,7 @@ use complete_mesh::Completion;
 /// The roof: four faces around vertex 4, open at the square 0 1 2 3. Every format's sample.
 pub const ROOF: [[f64; 3]; 5] =
     [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [0.5, 0.5, 0.75]];
+/// Its faces, anticlockwise from outside.
 pub const ROOF_FACES: [[u32; 3]; 4] = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
 
 /// The roof's floor, with one new vertex in its middle.
@@ -35,10 +41,12 @@ pub fn refusal(bytes: &[u8], format: Format) -> String {
     }
 }
 
+/// All positions.
 pub fn vertices(d: &Document) -> Vec<[f64; 3]> {
     (0..d.vertices().len()).map(|i| d.vertices().get(i)).collect()
 }
 
+/// All triangles.
 pub fn faces(d: &Document) -> Vec<[u32; 3]> {
     (0..d.faces().len()).map(|i| d.faces().get(i)).collect()
 }

@@ -22,7 +22,7 @@ const RICH: &str = "ply\r\nformat ascii 1.0\r\ncomment  kept  as it is\r\nobj_in
     property list uchar short tags\r\nelement sensor 2\r\nproperty double t\r\n\
     element face 4\r\nproperty uchar flag\r\nproperty list uchar int vertex_indices\r\n\
     property list uchar float uv\r\nelement last 1\r\nproperty char c\r\nend_header\r\n\
-    0 0 0 0 10 255 3 2 5 6\r\n1.0  0 0 100 10 0 3 0\r\n1e0 1 0 200 10 255 7 0\r\n\
+    0 0 0 0 10 254 3 2 5 6\r\n1.0  0 0 100 10 0 3 0\r\n1e0 1 0 200 10 254 7 0\r\n\
     0 1 -0 100 10 0 7 1 9\r\n.5 0.50 +0.75 9 9 9 9 0\r\n\
     0.10000000000000001\r\nnan\r\n\
     1 3 0 1 4 2 0.5 0.25\r\n2 3 1 2 4 0\r\n3 3 2 3 4 0\r\n4 3 3 0 4 0\r\n-7\r\n";
@@ -32,14 +32,14 @@ fn a_rich_file_comes_back_and_only_grows() {
     let mut d = read(RICH);
     assert_eq!(text(&d), RICH);
     assert!(d.vertices().is_single());
-    assert_eq!(d.vertex_colours().unwrap()[2], [200, 10, 255, 255]);
+    assert_eq!(d.vertex_colours().unwrap()[2], [200, 10, 254, 255]);
     d.append(&floor(), &PLAIN).unwrap();
     // Colours are the mean of the rim's four; the label is one of the rim's, not 5; the list is
     // empty. Each new face has the flag of the face across the rim.
     let expected = RICH
         .replace("vertex 5", "vertex 6")
         .replace("element face 4", "element face 8")
-        .replace("9 9 9 9 0\r\n", "9 9 9 9 0\r\n0.5 0.5 0 100 10 128 3 0\r\n")
+        .replace("9 9 9 9 0\r\n", "9 9 9 9 0\r\n0.5 0.5 0 100 10 127 3 0\r\n")
         .replace(
             "4 3 3 0 4 0\r\n",
             "4 3 3 0 4 0\r\n1 3 1 0 5 0\r\n2 3 2 1 5 0\r\n3 3 3 2 5 0\r\n4 3 0 3 5 0\r\n",
@@ -55,10 +55,10 @@ fn provenance_adds_two_columns_and_changes_nothing_else() {
     let out = text(&d);
     assert!(out
         .contains("short tags\r\nproperty uchar completed\r\nproperty int hole\r\nelement sensor"));
-    for row in ["0 0 0 0 10 255 3 2 5 6", "1.0  0 0 100 10 0 3 0", ".5 0.50 +0.75 9 9 9 9 0"] {
+    for row in ["0 0 0 0 10 254 3 2 5 6", "1.0  0 0 100 10 0 3 0", ".5 0.50 +0.75 9 9 9 9 0"] {
         assert!(out.contains(&format!("\r\n{row} 0 -1\r\n")), "{out}");
     }
-    assert!(out.contains("\r\n0.5 0.5 0 100 10 128 3 0 1 7\r\n"), "{out}");
+    assert!(out.contains("\r\n0.5 0.5 0 100 10 127 3 0 1 7\r\n"), "{out}");
     assert_whole(&d);
 
     // A second run finds the columns: old marks stay, new vertices get theirs.

@@ -3,8 +3,10 @@
 mod append;
 mod cursor;
 mod header;
+mod write;
 
-pub(super) use append::{append, from_rows};
+pub(super) use append::append;
+pub(super) use write::{from_polygons, from_rows};
 
 use super::error::{Fault, Parsed, Place};
 use super::polygon::{Triangles, MAX_CORNERS};
@@ -276,15 +278,38 @@ fn read_strips<C: Cursor>(
 }
 
 impl Layout {
-    /// The polygons of the face element, in order.
-    pub fn each_face(&self, bytes: &[u8], face: impl FnMut(&[u32])) -> Parsed<()> {
-        let count = self.header.find("vertex").map_or(0, |v| self.header.elements[v].count);
-        match self.header.find("face") {
-            Some(e) => with_cursor!(*self, bytes, e, |c| {
-                read_faces(c, &self.header.elements[e], count, face)
-            }),
-            None => Ok(()),
+    /// The faces in order, and then the strips' triangles.
+    pub fn each_face(&self, bytes: &[u8], mut face: impl FnMut(&[u32])) -> Parsed<()> {
+        let elements = &self.header.elements;
+        let count = self.header.find("vertex").map_or(0, |v| elements[v].count);
+        if let Some(e) = self.header.find("face") {
+            with_cursor!(*self, bytes, e, |c| read_faces(c, &elements[e], count, &mut face))?;
         }
+        if let Some(e) = self.header.find("tristrips") {
+            let mut triangles = Triangles::default();
+            with_cursor!(*self, bytes, e, |c| {
+                read_strips(c, &elements[e], count, &mut triangles)
+            })?;
+            triangles.faces.iter().for_each(|f| face(f));
+        }
+        Ok(())
+    }
+
+    /// What another format would not keep.
+    pub fn extras(&self) -> Vec<String> {
+        let kept = |element: &str, property: &str| {
+            let colour = property.strip_prefix("diffuse_").unwrap_or(property);
+            match element {
+                "vertex" => ["x", "y", "z", "red", "green", "blue", "alpha"].contains(&colour),
+                "face" | "tristrips" => CORNER_LISTS.contains(&property),
+                _ => false,
+            }
+        };
+        let all =
+            self.header.elements.iter().flat_map(|e| e.properties.iter().map(move |p| (e, p)));
+        all.filter(|(e, p)| !kept(&e.name, &p.name))
+            .map(|(e, p)| format!("the property \"{}\" of \"{}\"", p.name, e.name))
+            .collect()
     }
 
     /// The scalars of the given rows (sorted, no row twice) of an element, row by row, one number

@@ -1,0 +1,77 @@
+//! OBJ.
+
+use super::*;
+use complete_mesh::io::Extras;
+
+const PLAIN: Extras = Extras { provenance: false };
+
+fn read(text: &str) -> Document {
+    Document::parse(text.as_bytes().to_vec(), Format::Obj).unwrap()
+}
+
+fn text(d: &Document) -> String {
+    String::from_utf8(d.to_bytes()).unwrap()
+}
+
+/// Two materials, groups, an object, texture coordinates, a line that goes on after a backslash,
+/// negative numbers, a comment that ends with a backslash, CR LF; the last line has no end.
+const RICH: &str = "# made in C:\\models\\\r\nmtllib a b.mtl\r\no roof\r\n\
+    v 0 0 0 1 0 0\r\nv 1.000 0 0 0 0 0\r\nv 1 1 0 0 0 0 # corner\r\nv 0 1 0 0 0.5 0\r\n\
+    v .5 5e-1 0.75 \\\r\n 0 0 0\r\nvt 0.5 0.5\r\nvn 0 0 1\r\n\
+    g east\r\nusemtl red\r\ns 1\r\nf 1/1/1 2/1/1 5/1/1\r\nf 2//1 3//1 -1//1\r\n\
+    g  west wing\r\nusemtl blue\r\nl 1 2\r\nf 3 4 \\\r\n5\r\nf -2 1 5";
+
+#[test]
+fn a_rich_file_comes_back_and_only_grows() {
+    let mut d = read(RICH);
+    assert_eq!(text(&d), RICH);
+    assert!(d.vertices().is_single());
+    assert_eq!((vertices(&d), faces(&d)), (ROOF.to_vec(), ROOF_FACES.to_vec()));
+    assert_eq!(d.vertex_colours().unwrap()[3], [0, 128, 0, 255]);
+    d.append(&floor(), &PLAIN).unwrap();
+    // The colour is the mean of the rim's. The faces at the east side take its group and
+    // material; the object and the smoothing group are in force already.
+    let expected = format!(
+        "{RICH}\r\nv 0.5 0.5 0 0.25 0.125 0\r\ng east\r\nusemtl red\r\nf 2 1 6\r\nf 3 2 6\r\n\
+         g  west wing\r\nusemtl blue\r\nf 4 3 6\r\nf 1 4 6\r\n"
+    );
+    assert_eq!(text(&d), expected);
+    assert_whole(&d);
+}
+
+#[test]
+fn digits_settle_the_precision() {
+    let file = |x: &str| format!("v {x} 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    assert!(read(&file("0.123457")).vertices().is_single());
+    let survey = read(&file("500123.123"));
+    assert!(!survey.vertices().is_single());
+    assert_eq!(survey.vertices().get(0)[0], 500123.123);
+}
+
+#[test]
+fn polygons_are_cut_for_the_analysis_only() {
+    let file = "v 2 0 0\nv 0 1 0\nv 0.5 0 0\nv 0 -1 0\nf 1 2 3 4\n";
+    let d = read(file);
+    assert!(faces(&d).len() == 2 && faces(&d).iter().all(|t| t.contains(&0) && t.contains(&2)));
+    assert_eq!(text(&d), file);
+}
+
+#[test]
+fn faces_may_come_before_their_vertices() {
+    let d = read("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    assert_eq!(faces(&d), [[0, 1, 2]]);
+}
+
+#[test]
+fn a_trailing_backslash_does_not_swallow_the_fill() {
+    let rows: String = ROOF.iter().map(|p| format!("v {} {} {}\n", p[0], p[1], p[2])).collect();
+    let mut d = read(&format!("{rows}f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5 \\"));
+    d.append(&floor(), &PLAIN).unwrap();
+    assert_whole(&d);
+}
+
+#[test]
+fn provenance_has_no_place_here() {
+    let error = read(RICH).append(&floor(), &Extras { provenance: true }).unwrap_err();
+    assert!(error.to_string().contains("write PLY"), "{error}");
+}
