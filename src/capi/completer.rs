@@ -89,7 +89,7 @@ pub unsafe extern "C" fn complete_mesh(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.to_rust() }?;
+        let options = unsafe { opts.checked() }?;
         options.check()?;
         // SAFETY: as above.
         let input = unsafe { Input::new(vertices, vertex_count, faces, face_count, &opts) }?;
@@ -127,7 +127,7 @@ pub unsafe extern "C" fn complete_mesh_find_holes(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.to_rust() }?;
+        let options = unsafe { opts.checked() }?;
         options.check()?;
         opts.whole_mesh()?;
         // SAFETY: as above.
@@ -166,7 +166,7 @@ pub unsafe extern "C" fn complete_mesh_completer_new(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.to_rust() }?;
+        let options = unsafe { opts.checked() }?;
         options.check()?;
         opts.whole_mesh()?;
         // SAFETY: as above; the caller keeps the arrays for as long as the completer.
@@ -202,7 +202,7 @@ pub unsafe extern "C" fn complete_mesh_completer_complete(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.to_rust() }?;
+        let options = unsafe { opts.checked() }?;
         options.check()?;
         opts.single()?;
         // SAFETY: as above.

@@ -240,7 +240,7 @@ pub unsafe extern "C" fn complete_mesh_last_error_elements(
             let (numbers, elements) = last.elements.list(kind)?;
             // SAFETY: as above.
             unsafe { write_out(count, elements) };
-            (elements > 0).then(|| numbers.as_ptr())
+            (elements > 0).then_some(numbers.as_ptr())
         })
         .ok()?
     })

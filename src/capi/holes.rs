@@ -197,7 +197,7 @@ unsafe fn list<'a>(
         let numbers = of(unsafe { holes.as_ref() }?)?;
         // SAFETY: as above.
         unsafe { write_out(count, numbers.len() / per_element) };
-        (!numbers.is_empty()).then(|| numbers.as_ptr())
+        (!numbers.is_empty()).then_some(numbers.as_ptr())
     })
 }
 

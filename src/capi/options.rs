@@ -273,11 +273,11 @@ impl COptions {
         }
     }
 
-    /// The same options for Rust.
+    /// The same options for Rust, every number checked.
     ///
     /// # Safety
     /// The arrays are as long as their counts say.
-    pub(super) unsafe fn to_rust(&self) -> Result<Options, Failure> {
+    pub(super) unsafe fn checked(&self) -> Result<Options, Failure> {
         if self.threads > MAX_THREADS {
             return Err(Failure::new(
                 Status::InvalidOption,
@@ -319,7 +319,7 @@ impl COptions {
     }
 
     unsafe fn selection(&self) -> Result<Selection, Failure> {
-        // SAFETY: the caller of `to_rust` answers for the array.
+        // SAFETY: the caller of `checked` answers for the array.
         let ids = || unsafe { array("selection_ids", self.selection_ids, self.selection_count) };
         Ok(match self.selection {
             0 => Selection::All,
@@ -339,7 +339,7 @@ impl COptions {
             0 => Ok(Grouping::Automatic),
             1 => Ok(Grouping::Separate),
             2 => {
-                // SAFETY: the caller of `to_rust` answers for the array.
+                // SAFETY: the caller of `checked` answers for the array.
                 let sizes = unsafe { array("join_sizes", self.join_sizes, self.join_count) }?;
                 let total = sizes.iter().fold(0usize, |sum, &s| sum.saturating_add(s as usize));
                 // SAFETY: as above.
