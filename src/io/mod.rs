@@ -27,6 +27,7 @@ mod convert;
 mod edit;
 mod error;
 mod obj;
+mod obj_corners;
 mod off;
 mod ply;
 mod polygon;

@@ -3,6 +3,7 @@
 use super::attributes::{Blend, Patch};
 use super::edit::Edit;
 use super::error::{Fault, IoError, Parsed};
+use super::obj_corners::Corners;
 use super::polygon::{Triangles, MAX_CORNERS};
 use super::text::{coordinate, fits_single, line_end, parse, push_real, show, words, Line, Lines};
 use super::{Mesh, Positions};
@@ -10,7 +11,7 @@ use crate::result::Completion;
 use std::collections::BTreeSet;
 
 /// The statements, `v` and `f` lines joined with those that continue them after a backslash.
-struct Statements<'a>(Lines<'a>);
+pub(super) struct Statements<'a>(Lines<'a>);
 
 impl<'a> Iterator for Statements<'a> {
     type Item = Line<'a>;
@@ -30,16 +31,16 @@ impl<'a> Iterator for Statements<'a> {
     }
 }
 
-fn statements(bytes: &[u8]) -> Statements<'_> {
+pub(super) fn statements(bytes: &[u8]) -> Statements<'_> {
     Statements(Lines::new(bytes))
 }
 
-fn keyword(text: &[u8]) -> &[u8] {
+pub(super) fn keyword(text: &[u8]) -> &[u8] {
     words(text).next().unwrap_or_default()
 }
 
 /// The words after the keyword, without comments and the backslashes of continued lines.
-fn arguments(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub(super) fn arguments(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     words(text).skip(1).filter(|&w| w != b"\\").take_while(|w| !w.starts_with(b"#"))
 }
 
@@ -208,7 +209,8 @@ pub(super) fn append(
         with.extend_from_slice(line_end);
     }
     write_points(&mut with, bytes, mesh, completion, &patch, line_end);
-    write_faces(&mut with, bytes, mesh, completion, &patch, line_end);
+    let corners = Corners::write_values(&mut with, bytes, mesh, completion, &patch, line_end);
+    write_faces(&mut with, bytes, mesh, completion, &patch, &corners, line_end);
     Ok(vec![Edit { at: bytes.len()..bytes.len(), with }])
 }
 
@@ -278,6 +280,7 @@ fn write_faces(
     mesh: &Mesh,
     completion: &Completion,
     patch: &Patch<'_>,
+    corners: &Corners<'_>,
     line_end: &[u8],
 ) {
     let templates = patch.templates(mesh.triangles.view());
@@ -286,7 +289,7 @@ fn write_faces(
     wanted.sort_unstable();
     wanted.dedup();
     let (found, mut current) = states(bytes, &wanted);
-    for (face, template) in completion.faces.iter().zip(&templates) {
+    for (f, (face, template)) in completion.faces.iter().zip(&templates).enumerate() {
         let at = face_of(template).and_then(|f| wanted.binary_search(&f).ok());
         let state = at.and_then(|i| found.get(i)).copied().unwrap_or(current);
         for (now, then) in current.iter_mut().zip(state) {
@@ -298,7 +301,7 @@ fn write_faces(
             }
         }
         out.push(b'f');
-        face.iter().for_each(|&v| out.extend(format!(" {}", u64::from(v) + 1).into_bytes()));
+        face.iter().for_each(|&v| corners.write(out, f, v));
         out.extend_from_slice(line_end);
     }
 }

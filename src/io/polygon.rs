@@ -40,6 +40,9 @@ impl Triangles {
             self.polygons.push(Polygon { first, corners: corners.len(), face });
         }
         self.face_count += 1;
+        if let &[a, b, c] = corners {
+            return self.faces.push([a, b, c]);
+        }
         self.faces.extend(corners[1..].windows(2).map(|e| [corners[0], e[0], e[1]]));
     }
 

@@ -1,6 +1,7 @@
 //! Lines, words and numbers of the text formats.
 
 use super::error::{Fault, Parsed};
+use std::io::Write;
 
 /// One line: `text` without its line end, which may be LF, CR LF or a lone CR.
 #[derive(Clone, Copy)]
@@ -93,13 +94,13 @@ pub(super) fn push_real(out: &mut Vec<u8>, x: f64, single: bool) {
     let size = x.abs();
     // Beyond these C's "%g" changes to an exponent, too; plain digits would be needlessly long.
     let plain = size == 0.0 || (1e-5..1e16).contains(&size) || !x.is_finite();
-    let text = match (single, plain) {
-        (true, true) => (x as f32).to_string(),
-        (true, false) => format!("{:e}", x as f32),
-        (false, true) => x.to_string(),
-        (false, false) => format!("{x:e}"),
+    // Writing to memory does not fail.
+    let _ = match (single, plain) {
+        (true, true) => write!(out, "{}", x as f32),
+        (true, false) => write!(out, "{:e}", x as f32),
+        (false, true) => write!(out, "{x}"),
+        (false, false) => write!(out, "{x:e}"),
     };
-    out.extend_from_slice(text.as_bytes());
 }
 
 /// Whether a coordinate's text says nothing that f32 would lose: the f32 next to its value lies

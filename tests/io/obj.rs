@@ -75,3 +75,40 @@ fn provenance_has_no_place_here() {
     let error = read(RICH).append(&floor(), &Extras { provenance: true }).unwrap_err();
     assert!(error.to_string().contains("write PLY"), "{error}");
 }
+
+/// The roof with texture coordinates and normals, vertex by vertex; the last number may differ.
+fn textured(last: &str) -> String {
+    let rows: String = ROOF.iter().map(|p| format!("v {} {} {}\n", p[0], p[1], p[2])).collect();
+    let uv = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 9 9\nvt 7 7\n";
+    let normals = "vn 0 0 1\n".repeat(5);
+    format!("{rows}{uv}{normals}f 1/1/1 2/2/2 5/5/5\nf 2/2/2 3/3/3 5/5/5\nf 3/3/3 4/4/4 5/5/5\nf 4/4/4 {last} -1/-2/-1\n")
+}
+
+#[test]
+fn texture_and_normals_go_on_where_the_rim_has_one_value() {
+    let file = textured("1/1/1");
+    let mut d = read(&file);
+    d.append(&floor(), &PLAIN).unwrap();
+    // Harmonic texture coordinates; a normal on the side that the file's are on.
+    let added = "v 0.5 0.5 0\nvt 0.5 0.5\nvn 0 0 1\nf 2/2/2 1/1/1 6/7/6\nf 3/3/3 2/2/2 6/7/6\n\
+        f 4/4/4 3/3/3 6/7/6\nf 1/1/1 4/4/4 6/7/6\n";
+    assert_eq!(text(&d), format!("{file}{added}"));
+    assert_whole(&d);
+}
+
+#[test]
+fn a_texture_seam_at_the_rim_stops_the_texture_only() {
+    let file = textured("1/6/1");
+    let mut d = read(&file);
+    d.append(&floor(), &PLAIN).unwrap();
+    let added = "v 0.5 0.5 0\nvn 0 0 1\nf 2//2 1//1 6//6\nf 3//3 2//2 6//6\nf 4//4 3//3 6//6\nf 1//1 4//4 6//6\n";
+    assert_eq!(text(&d), format!("{file}{added}"));
+}
+
+#[test]
+fn a_texture_number_that_names_nothing_is_not_followed() {
+    let file = textured("1/1/1").replace("vt 7 7\n", "").replace("4/4/4", "4/99/4");
+    let mut d = read(&file);
+    d.append(&floor(), &PLAIN).unwrap();
+    assert!(text(&d).ends_with("f 4//4 3//3 6//6\nf 1//1 4//4 6//6\n"), "{}", text(&d));
+}

@@ -12,7 +12,7 @@ use super::error::{Fault, Parsed, Place};
 use super::polygon::{Triangles, MAX_CORNERS};
 use super::text::{is_blank, Lines};
 use super::{Mesh, Positions};
-use cursor::{each_row, list_count, skip_rows, skip_value, Ascii, Binary, Cursor};
+use cursor::{each_row, each_row_from, list_count, skip_rows, skip_value, Ascii, Binary, Cursor};
 use header::{Element, Encoding, Header, Kind, Scalar};
 use std::ops::Range;
 
@@ -208,7 +208,14 @@ fn read_faces<C: Cursor>(
     vertex_count: usize,
     mut face: impl FnMut(&[u32]),
 ) -> Parsed<()> {
-    let (column, ..) = corner_list(element, cursor.place())?;
+    let (column, count, item) = corner_list(element, cursor.place())?;
+    cursor::check_room(cursor, element)?;
+    let mut first = 0;
+    if element.properties.len() == 1 && count.size() == 1 && item.size() == 4 {
+        // A negative index is at least 2^31 here; the general way below says what it is.
+        let limit = vertex_count.min(1 << 31) as u32;
+        first = cursor.plain_triangles(element.count, limit, |f| face(&f));
+    }
     let mut corners = Vec::new();
     let visit = |c: &mut C, _: usize, i: usize, kind: Kind| {
         let (true, Kind::List { count, item }) = (i == column, kind) else {
@@ -226,7 +233,7 @@ fn read_faces<C: Cursor>(
         face(&corners);
         Ok(())
     };
-    each_row(cursor, element, visit, |_| ())
+    each_row_from(cursor, element, first, visit, |_| ())
 }
 
 #[inline]
