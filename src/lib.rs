@@ -36,6 +36,8 @@ pub mod options;
 pub mod progress;
 pub mod result;
 
+#[cfg(feature = "cli")]
+pub mod cli;
 #[cfg(feature = "io")]
 pub mod picture;
 #[cfg(feature = "io")]

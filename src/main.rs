@@ -1,2 +1,5 @@
-//! The command line.
-fn main() {}
+//! The command line; all of it is in [`complete_mesh::cli`].
+
+fn main() -> std::process::ExitCode {
+    complete_mesh::cli::run()
+}

@@ -356,6 +356,11 @@ impl Document {
         edit::save(path, &self.bytes)
     }
 
+    /// The file's content, without a copy.
+    pub fn as_bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// The file's content.
     pub fn to_bytes(&self) -> Vec<u8> {
         self.bytes.clone()

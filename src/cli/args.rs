@@ -1,0 +1,403 @@
+//! The arguments, and what they mean to the library.
+
+use super::failure::Failure;
+use crate::error::Error;
+use crate::options::{Fairing, Grouping, Method, Options, Selection, Sizing};
+use crate::sample::{Break, Sample};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 a hole could not be filled, 2 wrong usage, \
+3 a file cannot be read or written, 4 the mesh or an option is invalid, 130 interrupted.";
+
+/// Fills the holes of triangle meshes; keeps every input vertex and face bit for bit.
+#[derive(Debug, Parser)]
+#[command(name = "complete-mesh", version, about, after_help = EXIT_CODES)]
+#[command(subcommand_required = true, arg_required_else_help = true)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+    /// Print machine-readable lines on stdout, one JSON object each
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print warnings and errors only
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Fill the holes of a mesh file
+    Fill(FillArgs),
+    /// List the holes of a mesh file
+    Holes(HolesArgs),
+    /// Break a fluted column, complete it and draw a picture of both
+    Demo(DemoArgs),
+    /// Make a procedural model, whole or broken
+    Sample(SampleArgs),
+}
+
+/// All names of methods, also of those that this version does not have: asking for one is told
+/// apart from a misspelling.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum MethodName {
+    Smooth,
+    Coherent,
+    Harary,
+    Warp,
+    Fragment,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct FillArgs {
+    /// Mesh file to read
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Mesh file to write; its name's ending says the format. May be IN itself
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// How a fill is made; this version has smooth
+    #[arg(long, value_enum, default_value = "smooth")]
+    pub method: MethodName,
+    /// The smooth surface
+    #[arg(long, default_value = "auto", value_name = "NAME", value_parser = fairing_parser())]
+    pub fairing: Fairing,
+    #[command(flatten)]
+    pub selection: SelectionArgs,
+    #[command(flatten)]
+    pub grouping: GroupingArgs,
+    #[command(flatten)]
+    pub sizing: SizingArgs,
+    /// Leave holes open that cannot be filled safely, instead of writing nothing
+    #[arg(long)]
+    pub skip_unsafe: bool,
+    /// Write a report in JSON
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Mark the new vertices in the output (PLY)
+    #[arg(long)]
+    pub provenance: bool,
+    /// Write a picture (PNG): before and after, with a close-up on each hole
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Worker threads; 0: as many as the machine has cores
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub threads: usize,
+}
+
+/// Which holes are filled: one of these at most.
+#[derive(Debug, Default, Args)]
+#[group(id = "selection", multiple = false)]
+pub(super) struct SelectionArgs {
+    /// all, all-but-largest, or ids separated by commas
+    #[arg(long, value_name = "WHICH", value_parser = parse_holes)]
+    pub holes: Option<Selection>,
+    /// Holes of at most so many edges
+    #[arg(long, value_name = "N")]
+    pub max_edges: Option<usize>,
+    /// Holes of at most this circumference, in mesh units
+    #[arg(long, value_name = "L", allow_negative_numbers = true)]
+    pub max_length: Option<f64>,
+    /// Holes of at most this diameter, in mesh units
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    pub max_diameter: Option<f64>,
+    /// The hole whose rim passes nearest to a point
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    pub near: Option<[f64; 3]>,
+    /// The holes at, or nearest to, these vertices
+    #[arg(long, value_name = "I,..", value_delimiter = ',')]
+    pub near_vertex: Option<Vec<u32>>,
+}
+
+/// Which loops make one hole.
+#[derive(Debug, Default, Args)]
+#[group(id = "grouping", multiple = false)]
+pub(super) struct GroupingArgs {
+    /// Loops that are filled together, each named by one of its vertices: "1,2;3,4"
+    #[arg(long, value_name = "V1,V2[;V3,V4]", value_parser = parse_join)]
+    pub join: Option<Join>,
+    /// Fill every loop on its own
+    #[arg(long)]
+    pub separate_loops: bool,
+}
+
+/// Groups of loops, by vertices; a type of its own, or clap takes it for a repeated argument.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Join(pub Vec<Vec<u32>>);
+
+/// The size of the new triangles.
+#[derive(Debug, Default, Args)]
+#[group(id = "sizing", multiple = false)]
+pub(super) struct SizingArgs {
+    /// Edge length of the new triangles, in mesh units
+    #[arg(long, value_name = "L", allow_negative_numbers = true)]
+    pub edge_length: Option<f64>,
+    /// Edge length of the new triangles, as a factor on the surroundings' (0.05 to 20)
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
+    pub edge_scale: Option<f64>,
+    /// Triangulate the rims only
+    #[arg(long)]
+    pub no_refine: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct HolesArgs {
+    /// Mesh file to read
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    #[command(flatten)]
+    pub grouping: GroupingArgs,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct DemoArgs {
+    /// Folder for the files; made if it is not there
+    #[arg(long, value_name = "DIR", default_value = "complete-mesh-demo")]
+    pub out_dir: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct SampleArgs {
+    /// Which model
+    #[arg(value_name = "NAME", value_parser = sample_parser())]
+    pub sample: Sample,
+    /// Mesh file to write
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Break a piece off
+    #[arg(long = "break", value_name = "KIND", value_parser = break_parser())]
+    pub broken: Option<Break>,
+    /// Write the piece that was broken off
+    #[arg(long, value_name = "FILE", requires = "broken")]
+    pub truth: Option<PathBuf>,
+    /// Another number breaks it another way
+    #[arg(long, default_value_t = 1, requires = "broken", value_name = "N")]
+    pub seed: u64,
+    /// Size of the piece, as a factor on the model's own (0.2 to 1.5)
+    #[arg(long, default_value_t = 1.0, requires = "broken", value_name = "F")]
+    pub size: f64,
+    /// Edges along the longest side (24 to 4000)
+    #[arg(long, default_value_t = 200, value_name = "N")]
+    pub resolution: usize,
+}
+
+impl FillArgs {
+    /// The library's options. Methods that are not in this version are refused here.
+    pub fn options(&self) -> Result<Options, Failure> {
+        let method = match self.method {
+            MethodName::Smooth => Method::Smooth,
+            MethodName::Coherent => Method::Coherent,
+            MethodName::Harary | MethodName::Warp | MethodName::Fragment => {
+                let name = self.method.to_possible_value().map(|v| v.get_name().to_owned());
+                let what = format!("method \"{}\"", name.unwrap_or_default());
+                return Err(Error::Unsupported { what }.into());
+            }
+        };
+        let options = Options {
+            method,
+            selection: self.selection.selection(),
+            grouping: self.grouping.grouping(),
+            fairing: self.fairing,
+            sizing: self.sizing.sizing(),
+            skip_unsafe: self.skip_unsafe,
+            threads: self.threads,
+        };
+        options.check()?;
+        Ok(options)
+    }
+}
+
+impl SelectionArgs {
+    fn selection(&self) -> Selection {
+        let Self { holes, max_edges, max_length, max_diameter, near, near_vertex } = self;
+        holes
+            .clone()
+            .or(max_edges.map(Selection::MaxEdges))
+            .or(max_length.map(Selection::MaxCircumference))
+            .or(max_diameter.map(Selection::MaxDiameter))
+            .or(near.map(Selection::NearPoint))
+            .or(near_vertex.clone().map(Selection::NearVertices))
+            .unwrap_or_default()
+    }
+}
+
+impl GroupingArgs {
+    /// The library's grouping.
+    pub fn grouping(&self) -> Grouping {
+        match &self.join {
+            Some(Join(groups)) => Grouping::Join(groups.clone()),
+            None if self.separate_loops => Grouping::Separate,
+            None => Grouping::Automatic,
+        }
+    }
+}
+
+impl SizingArgs {
+    fn sizing(&self) -> Sizing {
+        match (self.edge_length, self.edge_scale) {
+            (Some(length), _) => Sizing::EdgeLength(length),
+            (_, Some(factor)) => Sizing::Scaled(factor),
+            _ if self.no_refine => Sizing::None,
+            _ => Sizing::Surroundings,
+        }
+    }
+}
+
+/// A parser that takes one of some names and lists them in the help.
+fn by_name<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.iter().map(|&t| name(t)))
+        .try_map(move |text| all.iter().copied().find(|&t| name(t) == text).ok_or("unknown name"))
+}
+
+fn fairing_parser() -> impl TypedValueParser<Value = Fairing> {
+    by_name(&Fairing::ALL, Fairing::name)
+}
+
+fn sample_parser() -> impl TypedValueParser<Value = Sample> {
+    by_name(&Sample::ALL, Sample::name)
+}
+
+fn break_parser() -> impl TypedValueParser<Value = Break> {
+    by_name(&Break::ALL, Break::name)
+}
+
+fn parse_holes(text: &str) -> Result<Selection, String> {
+    match text {
+        "all" => Ok(Selection::All),
+        "all-but-largest" => Ok(Selection::AllButLargest),
+        ids => {
+            let ids = ids.split(',').map(|id| id.trim().parse()).collect::<Result<Vec<_>, _>>();
+            ids.map(Selection::Ids)
+                .map_err(|_| "use all, all-but-largest, or ids such as 0,3,7".to_owned())
+        }
+    }
+}
+
+fn parse_point(text: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<f64> = text
+        .split(',')
+        .map(|x| x.trim().parse())
+        .collect::<Result<_, _>>()
+        .map_err(|_| "use three numbers such as 0.5,-1,2".to_owned())?;
+    parts.try_into().map_err(|p: Vec<f64>| format!("{} numbers instead of three", p.len()))
+}
+
+fn parse_join(text: &str) -> Result<Join, String> {
+    let group = |part: &str| -> Result<Vec<u32>, String> {
+        let vertices: Vec<u32> = part
+            .split(',')
+            .map(|v| v.trim().parse())
+            .collect::<Result<_, _>>()
+            .map_err(|_| "use vertex numbers such as 12,340;7,99".to_owned())?;
+        if vertices.len() < 2 {
+            return Err(format!("\"{part}\" names one loop: two or more are joined"));
+        }
+        Ok(vertices)
+    };
+    text.split(';').map(group).collect::<Result<_, _>>().map(Join)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fill(line: &str) -> Result<FillArgs, clap::Error> {
+        let words = "complete-mesh fill in.ply -o out.ply".split(' ');
+        let cli = Cli::try_parse_from(words.chain(line.split_whitespace()))?;
+        match cli.command {
+            Command::Fill(args) => Ok(args),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn options(line: &str) -> Options {
+        fill(line).unwrap().options().unwrap()
+    }
+
+    #[test]
+    fn the_definition_is_sound() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn without_flags_the_options_are_the_defaults() {
+        assert_eq!(options(""), Options::default());
+        assert_eq!(options("--method smooth --report r.json"), Options::default());
+    }
+
+    #[test]
+    fn every_selection_flag_reaches_the_library() {
+        for (line, selection) in [
+            ("--holes all", Selection::All),
+            ("--holes all-but-largest", Selection::AllButLargest),
+            ("--holes 1,4,7", Selection::Ids(vec![1, 4, 7])),
+            ("--max-edges 30", Selection::MaxEdges(30)),
+            ("--max-length 2.5", Selection::MaxCircumference(2.5)),
+            ("--max-diameter 0.5", Selection::MaxDiameter(0.5)),
+            ("--near -1,2.5,-3e-1", Selection::NearPoint([-1.0, 2.5, -0.3])),
+            ("--near-vertex 5", Selection::NearVertices(vec![5])),
+            ("--near-vertex 5,8", Selection::NearVertices(vec![5, 8])),
+        ] {
+            assert_eq!(options(line).selection, selection, "{line}");
+        }
+    }
+
+    #[test]
+    fn grouping_sizing_and_fairing_reach_the_library() {
+        assert_eq!(options("--separate-loops").grouping, Grouping::Separate);
+        let join = options("--join 1,2;3,4,5").grouping;
+        assert_eq!(join, Grouping::Join(vec![vec![1, 2], vec![3, 4, 5]]));
+        assert_eq!(options("--edge-length 0.5").sizing, Sizing::EdgeLength(0.5));
+        assert_eq!(options("--edge-scale 2").sizing, Sizing::Scaled(2.0));
+        assert_eq!(options("--no-refine").sizing, Sizing::None);
+        for fairing in Fairing::ALL {
+            assert_eq!(options(&format!("--fairing {}", fairing.name())).fairing, fairing);
+        }
+        let more = options("--skip-unsafe --threads 3");
+        assert!(more.skip_unsafe && more.threads == 3);
+    }
+
+    #[test]
+    fn contradictions_and_nonsense_are_usage_errors() {
+        for line in [
+            "--holes 1 --max-edges 3",
+            "--near 0,0,0 --near-vertex 1",
+            "--max-length 1 --max-diameter 1",
+            "--join 1,2 --separate-loops",
+            "--edge-length 1 --no-refine",
+            "--holes one",
+            "--holes 1,",
+            "--near 1,2",
+            "--join 1",
+            "--fairing c9",
+            "--method smoth",
+            "--threads -1",
+        ] {
+            let error = fill(line).expect_err(line);
+            assert!(error.use_stderr(), "{line}");
+        }
+        let both = fill("--holes 1 --max-edges 3").unwrap_err().to_string();
+        assert!(both.contains("--holes") && both.contains("--max-edges"), "{both}");
+    }
+
+    #[test]
+    fn methods_of_other_versions_are_refused_by_name() {
+        for name in ["coherent", "harary", "warp", "fragment"] {
+            let failure = fill(&format!("--method {name}")).unwrap().options().unwrap_err();
+            assert_eq!(failure.code(), 4);
+            assert!(failure.to_string().contains(name), "{failure}");
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused_before_any_file_is_read() {
+        for line in ["--edge-length 0", "--edge-scale 100", "--max-length -1", "--near nan,0,0"] {
+            assert_eq!(fill(line).unwrap().options().unwrap_err().code(), 4, "{line}");
+        }
+    }
+}

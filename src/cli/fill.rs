@@ -1,0 +1,173 @@
+//! `complete-mesh fill`: reads, completes, writes; the mesh, the report and the picture together
+//! or nothing.
+
+use super::args::FillArgs;
+use super::console::Console;
+use super::failure::Failure;
+use super::output::{same_file, Outputs};
+use super::report::{warnings, File, Report};
+use super::{check_interrupt, interrupt};
+use crate::complete::Completer;
+use crate::error::Error;
+use crate::holes::HoleList;
+use crate::io::{Document, Extras, Format, IoError};
+use crate::mesh::MeshView;
+use crate::options::Options;
+use crate::picture::{before_and_after, Image, Shape};
+use crate::progress::Monitor;
+use crate::result::{Completion, HoleStatus};
+use std::path::Path;
+
+pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
+    let options = args.options()?;
+    check_paths(args)?;
+    let format = Format::from_path(&args.output)
+        .ok_or_else(|| IoError::UnknownFormat { path: args.output.clone() })?;
+    console.step("read");
+    let mut document = Document::read(&args.input)?;
+    check_interrupt()?;
+    let input = describe(&args.input, &document);
+    // Before the fill: another format may number the vertices anew.
+    document = convert(document, format, console)?;
+    let (holes, completion) = complete(&document, &options, console)?;
+    document.append(&completion, &Extras { provenance: args.provenance })?;
+    let mut outputs = Outputs::default();
+    if let Some(path) = &args.picture {
+        console.step("draw");
+        let image = draw(&document, &holes, &completion);
+        outputs.stage(path, |w| image.write_png(w))?;
+    }
+    let output = describe(&args.output, &document);
+    let report = Report::new(input, output, &options, &holes, &completion);
+    if let Some(path) = &args.report {
+        outputs.stage(path, |w| {
+            serde_json::to_writer_pretty(&mut *w, &report)?;
+            w.write_all(b"\n")
+        })?;
+    }
+    console.step("write");
+    outputs.stage(&args.output, |w| w.write_all(document.as_bytes()))?;
+    check_interrupt()?;
+    outputs.commit()?;
+    console.clear();
+    tell(&report, console);
+    Ok(())
+}
+
+/// No file may be written twice, and only the mesh may take the input's place.
+fn check_paths(args: &FillArgs) -> Result<(), Failure> {
+    let mut named = vec![("IN", &args.input), ("OUT", &args.output)];
+    named.extend(args.report.as_ref().map(|p| ("--report", p)));
+    named.extend(args.picture.as_ref().map(|p| ("--picture", p)));
+    for (i, (a, path)) in named.iter().enumerate() {
+        for (b, other) in &named[i + 1..] {
+            if (*a, *b) != ("IN", "OUT") && same_file(path, other) {
+                return Err(Failure::Usage(format!(
+                    "{a} and {b} name one file: {}",
+                    path.display()
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Finds and fills the holes, with a bar and Ctrl-C.
+pub(super) fn complete(
+    document: &Document,
+    options: &Options,
+    console: &Console,
+) -> Result<(HoleList, Completion), Failure> {
+    let mesh = MeshView::new(document.vertices(), document.faces());
+    let progress = |fraction: f64, stage: &str| console.progress(fraction, stage);
+    let monitor = Monitor::new(&progress);
+    let result = interrupt::watched(&monitor, || {
+        let completer = Completer::new(mesh, &options.grouping, &monitor)?;
+        let completion = completer.complete(options, &monitor)?;
+        Ok::<_, Error>((completer.holes().clone(), completion))
+    })?;
+    check_interrupt()?;
+    Ok(result)
+}
+
+/// Both pictures from the completed document: the input's faces come first in it.
+pub(super) fn draw(document: &Document, holes: &HoleList, completion: &Completion) -> Image {
+    let view = document.faces();
+    let faces: Vec<[u32; 3]> = (0..view.len()).map(|f| view.get(f)).collect();
+    let colours: Option<Vec<[u8; 3]>> =
+        document.vertex_colours().map(|c| c.iter().map(|c| [c[0], c[1], c[2]]).collect());
+    let shape = |count: usize| Shape {
+        mesh: MeshView::new(document.vertices(), &faces[..count]),
+        colours: colours.as_deref(),
+    };
+    let filled: Vec<usize> = completion
+        .holes
+        .iter()
+        .filter(|h| h.status != HoleStatus::NotSelected)
+        .map(|h| h.hole)
+        .collect();
+    before_and_after(&shape(completion.input_face_count), &shape(faces.len()), holes, &filled)
+}
+
+fn describe(path: &Path, document: &Document) -> File {
+    File {
+        path: path.display().to_string(),
+        format: document.format().to_string(),
+        vertices: document.vertices().len(),
+        faces: document.faces().len(),
+    }
+}
+
+/// Changes the format where OUT's name asks for it, and says what is lost.
+pub(super) fn convert(
+    document: Document,
+    format: Format,
+    console: &Console,
+) -> Result<Document, Failure> {
+    if document.format() == format {
+        return Ok(document);
+    }
+    let _ = console;
+    let what = format!("cannot be written as {format}; give OUT the ending of IN");
+    Err(IoError::Unsupported { format: document.format(), what }.into())
+}
+
+/// The summary.
+fn tell(report: &Report, console: &Console) {
+    tell_warnings(&report.warnings, console);
+    for hole in &report.holes {
+        if let Some(reason) = &hole.reason {
+            console.warn(&format!("hole {} was left open: {reason}", hole.measured.id));
+        }
+    }
+    console.event("done", report);
+    let plural = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
+    if report.holes_found == 0 {
+        console.say("no holes: the mesh is closed, the output equals the input");
+    } else {
+        console.say(&format!(
+            "filled {} of {}: {} and {} new, in {:.3} s ({:.3} s CPU)",
+            report.holes_filled,
+            plural(report.holes_found, "hole"),
+            plural(report.new_vertices, "vertex").replace("vertexs", "vertices"),
+            plural(report.new_faces, "face"),
+            report.fill_seconds,
+            report.fill_cpu_seconds,
+        ));
+    }
+    console.say(&format!("wrote {}", report.output.path));
+}
+
+/// Warnings about the mesh. With `--json` they are part of the last line.
+pub(super) fn tell_warnings(list: &[super::report::Warning], console: &Console) {
+    if !console.is_json() {
+        list.iter().for_each(|w| console.warn(&w.message));
+    }
+}
+
+/// Warnings of a mesh that was only looked at.
+pub(super) fn look(holes: &HoleList, console: &Console) -> Vec<super::report::Warning> {
+    let list = warnings(holes);
+    tell_warnings(&list, console);
+    list
+}

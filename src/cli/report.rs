@@ -1,0 +1,239 @@
+//! What `--report` writes and `--json` prints. `docs/cli.md` describes every field.
+
+use crate::holes::{Hole, HoleKind, HoleList};
+use crate::mesh::MeshView;
+use crate::options::Options;
+use crate::result::{Completion, HoleStatus};
+use serde::Serialize;
+
+/// At most this many elements of a warning are listed; their count is always given.
+const LISTED: usize = 20;
+
+/// The report of `fill`.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    pub version: &'static str,
+    pub method: &'static str,
+    pub fairing: &'static str,
+    pub threads: usize,
+    pub input: File,
+    pub output: File,
+    pub new_vertices: usize,
+    pub new_faces: usize,
+    pub holes_found: usize,
+    pub holes_filled: usize,
+    pub fill_seconds: f64,
+    pub fill_cpu_seconds: f64,
+    pub holes: Vec<HoleEntry>,
+    pub warnings: Vec<Warning>,
+}
+
+/// A mesh file.
+#[derive(Debug, Serialize)]
+pub(super) struct File {
+    pub path: String,
+    pub format: String,
+    pub vertices: usize,
+    /// Triangles; a polygon of n corners counts n - 2.
+    pub faces: usize,
+}
+
+/// One hole of the input.
+#[derive(Debug, Serialize)]
+pub(super) struct HoleEntry {
+    #[serde(flatten)]
+    pub measured: Measured,
+    pub status: &'static str,
+    pub reason: Option<String>,
+    pub fairing: Option<&'static str>,
+    pub new_vertices: usize,
+    pub new_faces: usize,
+    pub seconds: f64,
+}
+
+/// What a hole looks like.
+#[derive(Debug, Serialize)]
+pub(super) struct Measured {
+    pub id: usize,
+    pub kind: &'static str,
+    pub loops: usize,
+    pub edges: usize,
+    pub circumference: f64,
+    pub diameter: f64,
+    pub centre: [f64; 3],
+    /// Why it cannot be filled safely.
+    pub problem: Option<String>,
+}
+
+/// Something about the mesh that the user should know; nothing was changed.
+#[derive(Debug, Serialize)]
+pub(super) struct Warning {
+    pub kind: &'static str,
+    pub message: String,
+    pub count: usize,
+    /// The first 20: pairs of vertices, or faces.
+    pub elements: Vec<Element>,
+}
+
+/// An element that a warning names.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum Element {
+    Vertices([u32; 2]),
+    Face(u32),
+}
+
+impl Measured {
+    /// Of one hole.
+    pub fn of(hole: &Hole) -> Self {
+        Self {
+            id: hole.id,
+            kind: kind_name(hole.kind),
+            loops: hole.loops.len(),
+            edges: hole.edges,
+            circumference: hole.circumference,
+            diameter: hole.diameter,
+            centre: hole.centre,
+            problem: hole.problem.as_ref().map(ToString::to_string),
+        }
+    }
+}
+
+fn kind_name(kind: HoleKind) -> &'static str {
+    match kind {
+        HoleKind::Disc => "disc",
+        HoleKind::Islands => "islands",
+        HoleKind::Ring => "ring",
+        HoleKind::Several => "several",
+    }
+}
+
+impl Report {
+    /// Of a completion.
+    pub fn new(
+        input: File,
+        output: File,
+        options: &Options,
+        holes: &HoleList,
+        done: &Completion,
+    ) -> Self {
+        let entries: Vec<HoleEntry> = done
+            .holes
+            .iter()
+            .filter_map(|report| {
+                let hole = holes.holes.get(report.hole)?;
+                let (status, reason) = match &report.status {
+                    HoleStatus::Filled => ("filled", None),
+                    HoleStatus::NotSelected => ("not-selected", None),
+                    HoleStatus::Unsafe(problem) => ("unsafe", Some(problem.to_string())),
+                    HoleStatus::Failed(error) => ("failed", Some(error.to_string())),
+                };
+                Some(HoleEntry {
+                    measured: Measured::of(hole),
+                    status,
+                    reason,
+                    fairing: (status == "filled").then(|| report.fairing.name()),
+                    new_vertices: report.vertices.len(),
+                    new_faces: report.faces.len(),
+                    seconds: report.seconds,
+                })
+            })
+            .collect();
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            method: options.method.name(),
+            fairing: options.fairing.name(),
+            threads: options.threads,
+            input,
+            output,
+            new_vertices: done.vertices.len(),
+            new_faces: done.faces.len(),
+            holes_found: entries.len(),
+            holes_filled: entries.iter().filter(|e| e.status == "filled").count(),
+            fill_seconds: done.seconds,
+            fill_cpu_seconds: done.cpu_seconds,
+            holes: entries,
+            warnings: warnings(holes),
+        }
+    }
+}
+
+/// What is odd about the boundary.
+pub(super) fn warnings(holes: &HoleList) -> Vec<Warning> {
+    let pairs = |kind, what: &str, list: &[[u32; 2]]| Warning {
+        kind,
+        message: message(list.len(), what, list.first().map(|[a, b]| format!("{a}-{b}"))),
+        count: list.len(),
+        elements: list.iter().take(LISTED).map(|&e| Element::Vertices(e)).collect(),
+    };
+    let faces = &holes.degenerate_faces;
+    let all = [
+        pairs("non-manifold-edges", "edges have more than two faces", &holes.non_manifold_edges),
+        pairs(
+            "inconsistent-orientation",
+            "edges lie between faces oriented against each other; nothing was flipped",
+            &holes.inconsistent_edges,
+        ),
+        pairs(
+            "duplicate-vertices",
+            "pairs of boundary vertices are at one place; nothing was welded",
+            &holes.duplicate_boundary_vertices,
+        ),
+        Warning {
+            kind: "degenerate-faces",
+            message: message(
+                faces.len(),
+                "faces name a vertex twice; they are passed through",
+                faces.first().map(ToString::to_string),
+            ),
+            count: faces.len(),
+            elements: faces.iter().take(LISTED).map(|&f| Element::Face(f)).collect(),
+        },
+    ];
+    all.into_iter().filter(|w| w.count > 0).collect()
+}
+
+fn message(count: usize, what: &str, first: Option<String>) -> String {
+    format!("{count} {what} (the first: {})", first.unwrap_or_default())
+}
+
+/// Mean edge length of a mesh, each face's edges counted once; 0 without faces.
+pub(super) fn mean_edge(mesh: MeshView<'_>) -> f64 {
+    let mut sum = 0.0;
+    for f in 0..mesh.faces.len() {
+        let p = mesh.faces.get(f).map(|v| mesh.vertices.get(v as usize));
+        for k in 0..3 {
+            let (a, b) = (p[k], p[(k + 1) % 3]);
+            sum += (0..3).map(|x| (a[x] - b[x]).powi(2)).sum::<f64>().sqrt();
+        }
+    }
+    sum / (3 * mesh.faces.len().max(1)) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_list_twenty_elements_and_count_all() {
+        let holes = HoleList {
+            inconsistent_edges: (0..57).map(|i| [i, i + 1]).collect(),
+            degenerate_faces: vec![7],
+            ..HoleList::default()
+        };
+        let json = serde_json::to_value(warnings(&holes)).unwrap();
+        assert_eq!(json.as_array().unwrap().len(), 2);
+        assert_eq!(json[0]["kind"], "inconsistent-orientation");
+        assert_eq!(json[0]["count"], 57);
+        assert_eq!(json[0]["elements"].as_array().unwrap().len(), LISTED);
+        assert_eq!(json[0]["elements"][3], serde_json::json!([3, 4]));
+        assert_eq!(json[1]["elements"], serde_json::json!([7]));
+    }
+
+    #[test]
+    fn mean_edge_of_a_right_triangle() {
+        let (v, f) = ([[0.0f32, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]], [[0u32, 1, 2]]);
+        assert_eq!(mean_edge(MeshView::new(&v[..], &f[..])), 4.0);
+        assert_eq!(mean_edge(MeshView::new(&v[..], &f[..0])), 0.0);
+    }
+}
