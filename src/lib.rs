@@ -50,3 +50,8 @@ pub use mesh::{FaceView, MeshView, VertexView};
 pub use options::{Fairing, Grouping, Method, Options, Selection, Sizing};
 pub use progress::Monitor;
 pub use result::{Completion, HoleReport, HoleStatus};
+
+/// The examples of the README run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
