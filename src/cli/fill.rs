@@ -127,9 +127,11 @@ pub(super) fn convert(
     if document.format() == format {
         return Ok(document);
     }
-    let _ = console;
-    let what = format!("cannot be written as {format}; give OUT the ending of IN");
-    Err(IoError::Unsupported { format: document.format(), what }.into())
+    let converted = document.convert(format)?;
+    for what in converted.dropped() {
+        console.warn(what);
+    }
+    Ok(converted)
 }
 
 /// The summary.

@@ -6,13 +6,13 @@ use super::{SampleMesh, Site};
 use std::f64::consts::TAU;
 
 /// Length of the whole piece, end to end.
-pub(super) const LENGTH: f64 = 6.0;
+pub(super) const LENGTH: f64 = 4.6;
 /// Flutes around the shaft, as on a Doric column.
 const FLUTES: usize = 20;
 /// Depth of a flute where the shaft has radius 1.
 const DEPTH: f64 = 0.075;
 /// The flutes end this far from the ends of the piece.
-const PLAIN: f64 = 0.28;
+const PLAIN: f64 = 0.24;
 /// Radius of the rounded edge at the ends.
 const ROUND: f64 = 0.1;
 
@@ -89,7 +89,7 @@ pub(super) fn build(edge: f64) -> SampleMesh {
 }
 
 pub(super) fn site() -> Site {
-    let y = 3.1;
+    let y = 2.4;
     Site {
         point: [0.0, y, shaft_radius(y)],
         normal: [0.0, 0.0, 1.0],

@@ -68,7 +68,7 @@ pub enum Sample {
 
 /// Fewest edges along the longest side: below, a flute or a strand of the braid is lost.
 pub const MIN_RESOLUTION: usize = 24;
-/// Most edges along the longest side: about 45 million faces on the column.
+/// Most edges along the longest side: about 50 million faces on the column.
 pub const MAX_RESOLUTION: usize = 4000;
 
 /// Where a model is broken: chosen so that the break crosses what makes the model worth completing.
