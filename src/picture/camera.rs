@@ -61,7 +61,14 @@ impl Camera {
             return Self::towards([0.0; 3], [0.0, 0.0, 1.0], 1.0);
         }
         let centre: [f64; 3] = std::array::from_fn(|k| (low[k] + high[k]) / 2.0);
-        let front = front.unwrap_or([0.0, 0.0, 1.0]);
+        let mut front = front.unwrap_or([0.0, 0.0, 1.0]);
+        let flat = front[0].hypot(front[2]);
+        if flat < 1e-6 {
+            front = [0.0, front[1].clamp(-0.5, 0.5), 1.0];
+        } else {
+            // An object stands: it is not looked at from straight above or below.
+            front[1] = front[1].clamp(-0.5 * flat, 0.5 * flat);
+        }
         let flat = Self::towards(centre, front, 1.0);
         let (side, above) = (0.35, 0.18);
         let turned =

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::holes::{BoundaryLoop, HoleKind};
+use crate::mesh::MeshView;
 use crate::sample::Sample;
 
 /// A unit square in the plane z = 0, facing +z.
@@ -88,27 +89,34 @@ fn one_hole(vertices: &[[f32; 3]], rim: Vec<u32>) -> HoleList {
     }
 }
 
-#[test]
-fn close_ups_look_into_the_hole() {
-    // The sphere without its top ring fan: seen from above, the inside shows before, not after.
+/// The sphere without the faces around its top vertex, and the rim as a filling face runs:
+/// counter-clockwise seen from outside.
+fn open_sphere() -> (Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<u32>) {
     let mesh = Sample::Sphere.build(40).unwrap();
     let top = mesh.vertices.len() as u32 - 1;
-    let open: Vec<[u32; 3]> = mesh.faces.iter().copied().filter(|f| !f.contains(&top)).collect();
-    // A filling face runs as the removed ones did: counter-clockwise seen from outside.
-    let mut rim: Vec<u32> = Vec::new();
-    let fan: Vec<[u32; 3]> = mesh.faces.iter().copied().filter(|f| f.contains(&top)).collect();
+    let (fan, open): (Vec<[u32; 3]>, Vec<[u32; 3]>) =
+        mesh.faces.iter().copied().partition(|f| f.contains(&top));
     let next = |v: u32| {
         fan.iter().find_map(|f| {
             let k = f.iter().position(|&w| w == v)?;
             (f[(k + 2) % 3] == top).then(|| f[(k + 1) % 3])
         })
     };
-    let mut at = fan[0].iter().copied().find(|&v| next(v).is_some()).unwrap();
+    let mut rim: Vec<u32> = Vec::new();
+    let mut at = fan[0].iter().copied().find(|&v| v != top && next(v).is_some()).unwrap();
     while !rim.contains(&at) {
         rim.push(at);
         at = next(at).unwrap();
     }
-    let holes = one_hole(&mesh.vertices, rim);
+    (mesh.vertices, open, rim)
+}
+
+#[test]
+fn close_ups_look_into_the_hole() {
+    // Seen from above, the inside shows before, not after.
+    let (vertices, open, rim) = open_sphere();
+    let mesh = Sample::Sphere.build(40).unwrap();
+    let holes = one_hole(&vertices, rim);
     let before = Shape { mesh: MeshView::new(&mesh.vertices[..], &open[..]), colours: None };
     let after = Shape { mesh: mesh.view(), colours: None };
     let sheet = before_and_after(&before, &after, &holes, &[0]);
@@ -154,4 +162,25 @@ fn png_can_be_read_back() {
     let info = reader.next_frame(&mut back).unwrap();
     assert_eq!((info.width, info.height), (64, 48));
     assert_eq!(back, image.pixels.as_flattened());
+}
+
+#[test]
+fn a_hole_behind_something_is_looked_at_from_aside() {
+    // The sphere's top is open, and a plate hovers before it that is as wide as the hole.
+    let (mut vertices, mut faces, rim) = open_sphere();
+    let holes = one_hole(&vertices, rim.clone());
+    let direction = |vertices: &[[f32; 3]], faces: &[[u32; 3]]| {
+        let shape = Shape { mesh: MeshView::new(vertices, faces), colours: None };
+        let camera = aim::close_up(&raster::Prepared::new(&shape), &holes, &holes.holes[0]);
+        camera.turn([0.0, 1.0, 0.0])[2]
+    };
+    assert!(direction(&vertices, &faces) > 0.999, "straight from above");
+    let first = vertices.len() as u32;
+    let radius = 0.5 * holes.holes[0].diameter as f32;
+    vertices.extend(
+        [[-1.2, 1.0], [1.2, 1.0], [1.2, -1.0], [-1.2, -1.0]]
+            .map(|[x, z]: [f32; 2]| [1.2 * x * radius, 1.0 + 0.5 * radius, 1.5 * z * radius]),
+    );
+    faces.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    assert!(direction(&vertices, &faces) < 0.8, "from aside");
 }
