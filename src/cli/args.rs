@@ -29,7 +29,7 @@ pub(super) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Fill the holes of a mesh file
-    Fill(FillArgs),
+    Fill(Box<FillArgs>),
     /// List the holes of a mesh file
     Holes(HolesArgs),
     /// Break a fluted column, complete it and draw a picture of both
@@ -305,7 +305,7 @@ fn parse_join(text: &str) -> Result<Join, String> {
 mod tests {
     use super::*;
 
-    fn fill(line: &str) -> Result<FillArgs, clap::Error> {
+    fn fill(line: &str) -> Result<Box<FillArgs>, clap::Error> {
         let words = "complete-mesh fill in.ply -o out.ply".split(' ');
         let cli = Cli::try_parse_from(words.chain(line.split_whitespace()))?;
         match cli.command {
