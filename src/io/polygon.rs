@@ -7,9 +7,9 @@
 use crate::mesh::FaceView;
 use std::collections::VecDeque;
 
-/// The most corners a polygon may have. Ear clipping is quadratic: at this size a zigzag takes
-/// about two seconds (measured in a release build on one core).
-pub(super) const MAX_CORNERS: usize = 1 << 16;
+/// The most corners a polygon may have. Ear clipping is quadratic: twice as many took 2 to 11 s
+/// (a star, a spiral, a comb, noise; release build, one core that others used, too).
+pub(super) const MAX_CORNERS: usize = 1 << 15;
 
 /// Triangles in file order, and which of them are parts of one polygon.
 #[derive(Debug, Default, Clone, PartialEq)]
@@ -162,13 +162,14 @@ impl Ring<'_> {
 
     fn is_ear(&self, i: usize) -> bool {
         let [a, b, c] = [self.previous[i], i, self.next[i]].map(|k| self.points[k]);
+        let low = [0, 1].map(|k| a[k].min(b[k]).min(c[k]));
+        let high = [0, 1].map(|k| a[k].max(b[k]).max(c[k]));
         let inside = |&r: &usize| {
             let p = self.points[r];
+            let near = p[0] >= low[0] && p[0] <= high[0] && p[1] >= low[1] && p[1] <= high[1];
             // A corner in the same place as one of the ear's (a slit, a bridge to an inner ring)
             // does not block it.
-            p != a
-                && p != b
-                && p != c
+            near && ![a, b, c].contains(&p)
                 && turn(a, b, p) >= 0.0
                 && turn(b, c, p) >= 0.0
                 && turn(c, a, p) >= 0.0

@@ -24,8 +24,8 @@ pub(super) trait Cursor {
     /// Steps over `rows` rows of `size` bytes at once, if the encoding allows it.
     fn jump(&mut self, rows: usize, size: usize) -> bool;
     /// Reads rows of a one-byte count of 3 and three 32-bit indices below `limit`, up to the first
-    /// that is not so, and returns how many: nearly all rows of nearly all files. This is five
-    /// times as fast as the general way (265,859 faces: 2 ms instead of 10).
+    /// that is not so, and returns how many: nearly all rows of nearly all files. A file of 132,999
+    /// vertices and 265,859 faces is read in 4 ms with it, in 10 ms without.
     fn plain_triangles(&mut self, _rows: usize, _limit: u32, _push: impl FnMut([u32; 3])) -> usize {
         0
     }
