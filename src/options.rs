@@ -161,7 +161,9 @@ impl Options {
             _ => {}
         }
         match &self.selection {
-            Selection::MaxCircumference(l) | Selection::MaxDiameter(l) if !(*l > 0.0) => {
+            Selection::MaxCircumference(l) | Selection::MaxDiameter(l)
+                if l.is_nan() || *l <= 0.0 =>
+            {
                 bad("selection", format!("the length {l} is not positive"))
             }
             Selection::NearPoint(p) if p.iter().any(|x| !x.is_finite()) => {
