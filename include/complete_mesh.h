@@ -217,7 +217,7 @@ typedef struct complete_mesh_result complete_mesh_result;
 // fraction: how much is done, 0 to 1, never falling.
 // stage: what is being done, an English word or two; valid during the call only.
 //
-// Called on the thread that called the library, several times a hole. It must not throw an
+// Called on the thread that called the library, at least once by every call. It must not throw an
 // exception or jump out; it may call the library.
 typedef int (*complete_mesh_progress_fn)(void *user, double fraction, const char *stage);
 

@@ -106,7 +106,7 @@ pub enum COutput {
 /// fraction: how much is done, 0 to 1, never falling.
 /// stage: what is being done, an English word or two; valid during the call only.
 ///
-/// Called on the thread that called the library, several times a hole. It must not throw an
+/// Called on the thread that called the library, at least once by every call. It must not throw an
 /// exception or jump out; it may call the library.
 pub type CProgressFn =
     Option<unsafe extern "C" fn(user: *mut c_void, fraction: f64, stage: *const c_char) -> c_int>;

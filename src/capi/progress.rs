@@ -26,14 +26,17 @@ impl Callback {
     }
 }
 
-/// Runs `body` with a monitor that reports to the caller of the C function.
+/// Runs `body` with a monitor that reports to the caller of the C function. The first report comes
+/// before anything is done, so that every call can be cancelled, however short.
 pub(super) fn with_monitor<T>(
     opts: &COptions,
     body: impl FnOnce(&Monitor) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     let callback = Callback { function: opts.progress, user: opts.progress_user };
     let report = |fraction: f64, stage: &str| callback.report(fraction, stage);
-    body(&Monitor::new(&report))
+    let monitor = Monitor::new(&report);
+    monitor.step(0.0, "reading the mesh")?;
+    body(&monitor)
 }
 
 /// Panics on demand, for the test of the panic boundary; never in a library that is installed.

@@ -11,7 +11,7 @@
 
 /* For the memory check, which runs some fifty times slower. */
 #ifdef SMALL_BALL
-enum { AROUND = 12, STACKS = 8, CAP = 2, PATCH_ROW = 4, PATCH_SIZE = 2 };
+enum { AROUND = 12, STACKS = 8, CAP = 2, PATCH_ROW = 3, PATCH_SIZE = 2 };
 #else
 enum { AROUND = 32, STACKS = 24, CAP = 4, PATCH_ROW = 11, PATCH_SIZE = 3 };
 #endif
