@@ -186,7 +186,12 @@ fn file_errors_are_3_and_write_nothing() {
 fn invalid_meshes_and_options_are_4_and_write_nothing() {
     let place = Place::new();
     place.write("in.ply", &open_octahedron());
-    place.write("nan.ply", &open_octahedron().replacen("-1 0 0", "nan 0 0", 1));
+    // In a binary file NaN is a number like any other; in text it is malformed.
+    place.expect(0, "sample sphere --resolution 24 -o nan.ply");
+    let mut bytes = std::fs::read(place.path("nan.ply")).unwrap();
+    let body = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    bytes[body + 12..body + 16].copy_from_slice(&f32::NAN.to_le_bytes());
+    std::fs::write(place.path("nan.ply"), bytes).unwrap();
     place.write("empty.ply", &ply(&OCTAHEDRON, &[]));
     let before = place.names();
     for (line, word) in [
