@@ -1,9 +1,17 @@
 //! Boundary loops, measured and grouped into holes; which of them the caller wants.
 
-use crate::error::{Problem, Result};
+mod group;
+pub(crate) mod loops;
+pub mod select;
+
+use crate::error::{Error, Problem, Result};
+use crate::mesh::boundary::find_boundary;
 use crate::mesh::MeshView;
 use crate::options::Grouping;
 use crate::progress::Monitor;
+use glam::DVec3;
+use group::group_loops;
+use loops::chain_loops;
 
 /// One closed chain of boundary edges.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,10 +81,98 @@ pub struct HoleList {
 }
 
 /// Finds, measures and groups the boundary loops of a mesh: one linear pass.
-pub fn find_holes(
-    _mesh: MeshView<'_>,
-    _grouping: &Grouping,
-    _monitor: &Monitor,
-) -> Result<HoleList> {
-    unimplemented!()
+pub fn find_holes(mesh: MeshView<'_>, grouping: &Grouping, monitor: &Monitor) -> Result<HoleList> {
+    let boundary = find_boundary(mesh, monitor)?;
+    let chains = chain_loops(mesh, &boundary);
+    let groups = match grouping {
+        Grouping::Automatic => group_loops(mesh, &chains),
+        Grouping::Separate => (0..chains.len()).collect(),
+        Grouping::Join(lists) => join_named(&chains, lists)?,
+    };
+    let duplicate_boundary_vertices = duplicates(mesh, &chains);
+    let problems: Vec<Option<Problem>> = chains.iter().map(|c| c.problem.clone()).collect();
+    let kinds = |members: &[usize]| kind_of(&chains, members);
+    let loops: Vec<BoundaryLoop> = chains.iter().map(|c| c.shape.clone()).collect();
+    let mut holes: Vec<Hole> = Vec::new();
+    for mut members in gather_members(&groups) {
+        members.sort_by(|&a, &b| loops[b].length.total_cmp(&loops[a].length).then(a.cmp(&b)));
+        let longest = &loops[members[0]];
+        holes.push(Hole {
+            id: holes.len(),
+            kind: kinds(&members),
+            edges: members.iter().map(|&l| loops[l].vertices.len()).sum(),
+            circumference: members.iter().map(|&l| loops[l].length).sum(),
+            diameter: longest.diameter,
+            centre: longest.centre,
+            problem: members.iter().find_map(|&l| problems[l].clone()),
+            loops: members,
+        });
+    }
+    Ok(HoleList {
+        loops,
+        holes,
+        non_manifold_edges: boundary.non_manifold_edges,
+        inconsistent_edges: boundary.inconsistent_edges,
+        degenerate_faces: boundary.degenerate_faces,
+        duplicate_boundary_vertices,
+    })
+}
+
+/// The loops of each group, the groups by their first loop.
+fn gather_members(groups: &[usize]) -> Vec<Vec<usize>> {
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); groups.len()];
+    groups.iter().enumerate().for_each(|(l, &first)| members[first].push(l));
+    members.retain(|m| !m.is_empty());
+    members
+}
+
+/// A ring's loops are of a size and lie across from each other; an island lies inside.
+fn kind_of(chains: &[loops::Chain], members: &[usize]) -> HoleKind {
+    let shape = |i: usize| &chains[members[i]].shape;
+    match members.len() {
+        1 => HoleKind::Disc,
+        // A band's two rims are about equally long; an island is shorter than what is around it.
+        // Half is the ratio that tells them apart on drawn examples.
+        2 if shape(1).length > 0.5 * shape(0).length => HoleKind::Ring,
+        _ => {
+            let centre = DVec3::from(shape(0).centre);
+            let inside = (1..members.len())
+                .all(|i| centre.distance(DVec3::from(shape(i).centre)) < 0.5 * shape(0).diameter);
+            match inside {
+                true => HoleKind::Islands,
+                false => HoleKind::Several,
+            }
+        }
+    }
+}
+
+fn join_named(chains: &[loops::Chain], lists: &[Vec<u32>]) -> Result<Vec<usize>> {
+    let mut groups: Vec<usize> = (0..chains.len()).collect();
+    for list in lists {
+        let mut named = Vec::new();
+        for v in list {
+            let found = chains.iter().position(|c| c.shape.vertices.contains(v));
+            named.push(found.ok_or_else(|| Error::InvalidOption {
+                name: "grouping",
+                reason: format!("vertex {v} is on no boundary loop"),
+            })?);
+        }
+        let roots: Vec<usize> = named.iter().map(|&l| groups[l]).collect();
+        if let Some(&first) = roots.iter().min() {
+            groups.iter_mut().filter(|g| roots.contains(g)).for_each(|g| *g = first);
+        }
+    }
+    Ok(groups)
+}
+
+/// Boundary vertices at the very same position: a mesh that is not welded.
+fn duplicates(mesh: MeshView<'_>, chains: &[loops::Chain]) -> Vec<[u32; 2]> {
+    let mut rim: Vec<([u64; 3], u32)> = chains
+        .iter()
+        .flat_map(|c| &c.shape.vertices)
+        .map(|&v| (mesh.vertices.get(v as usize).map(|x| (x + 0.0).to_bits()), v))
+        .collect();
+    rim.sort_unstable();
+    rim.dedup();
+    rim.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| [w[0].1, w[1].1]).collect()
 }

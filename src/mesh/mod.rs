@@ -1,5 +1,7 @@
-//! The caller's arrays, read where they lie, and the boundary found in them.
+//! The caller's arrays, read where they lie, the boundary found in them, and the part near it.
 
+pub mod boundary;
+pub mod neighbourhood;
 mod view;
 
 pub use view::{FaceView, MeshView, VertexView};

@@ -1,0 +1,232 @@
+//! A fill together with the known surface around it, and the cotangent Laplacian on both.
+
+use super::patch::Patch;
+use crate::mesh::neighbourhood::{Neighbourhood, NONE};
+use glam::DVec3;
+
+/// Least and greatest weight of an edge: near-degenerate triangles, of which scans are full,
+/// would else let one edge decide everything (a bi-Laplacian without the clamp explodes).
+const WEIGHT_RANGE: (f64, f64) = (0.01, 3.0);
+/// Least mass of a vertex, in median masses, for the same reason.
+const LEAST_MASS: f64 = 0.5;
+
+/// Faces at each vertex of the neighbourhood, as one array with row starts.
+pub struct Incidence {
+    start: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl Incidence {
+    /// Counts, then fills: two linear passes over the neighbourhood.
+    pub fn new(near: &Neighbourhood) -> Self {
+        let mut start = vec![0u32; near.positions.len() + 1];
+        near.faces.iter().flatten().for_each(|&v| start[v as usize + 1] += 1);
+        for v in 0..near.positions.len() {
+            start[v + 1] += start[v];
+        }
+        let mut next = start.clone();
+        let mut faces = vec![0; 3 * near.faces.len()];
+        for (f, face) in near.faces.iter().enumerate() {
+            for &v in face {
+                faces[next[v as usize] as usize] = f as u32;
+                next[v as usize] += 1;
+            }
+        }
+        Self { start, faces }
+    }
+
+    /// The faces at vertex `v`.
+    pub fn faces(&self, v: u32) -> &[u32] {
+        &self.faces[self.start[v as usize] as usize..self.start[v as usize + 1] as usize]
+    }
+}
+
+/// The known surface around a rim: the vertices and faces within a number of rings.
+#[derive(Debug, Default)]
+pub struct Band {
+    /// Neighbourhood vertices: the rim's first, in the patch's order, then ring by ring.
+    pub vertices: Vec<u32>,
+    /// Where ring r ends in `vertices`; ring 0 is the rim.
+    pub ring_ends: Vec<usize>,
+    /// Faces in band numbers.
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl Band {
+    /// Grows `rings` rings of faces around the rim.
+    pub fn grow(near: &Neighbourhood, incidence: &Incidence, rim: &[u32], rings: usize) -> Self {
+        let mut number = std::collections::HashMap::new();
+        rim.iter().enumerate().for_each(|(i, &v)| {
+            number.insert(v, i as u32);
+        });
+        let mut band = Band { vertices: rim.to_vec(), ring_ends: vec![rim.len()], faces: vec![] };
+        let mut taken = std::collections::HashSet::new();
+        let mut begin = 0;
+        for _ in 0..rings {
+            let end = band.vertices.len();
+            for i in begin..end {
+                for &f in incidence.faces(band.vertices[i]) {
+                    if !taken.insert(f) {
+                        continue;
+                    }
+                    let face = near.faces[f as usize].map(|v| {
+                        *number.entry(v).or_insert_with(|| {
+                            band.vertices.push(v);
+                            band.vertices.len() as u32 - 1
+                        })
+                    });
+                    band.faces.push(face);
+                }
+            }
+            begin = end;
+            band.ring_ends.push(band.vertices.len());
+        }
+        band
+    }
+}
+
+/// Patch and band as one mesh. Vertices: the patch's (rim, then new), then the band's others.
+pub struct Sheet {
+    /// Positions in mesh units.
+    pub positions: Vec<DVec3>,
+    /// Triangles of the patch, then faces of the band.
+    pub triangles: Vec<[u32; 3]>,
+    /// Vertices of the rim.
+    pub rim_count: usize,
+    /// Vertices of the patch.
+    pub patch_count: usize,
+    /// Ring of each vertex: 0 on the rim and inside, r in the band.
+    pub ring: Vec<u16>,
+    /// Faces of the band, the last ones of `triangles`.
+    pub band_face_count: usize,
+    /// Rings of the band; the Laplacian is complete at rings below the last.
+    pub rings: usize,
+}
+
+impl Sheet {
+    /// Puts a patch and the band around its rim together.
+    pub fn new(patch: &Patch, band: &Band, near: &Neighbourhood) -> Self {
+        let (rim, new) = (patch.rim_count, patch.positions.len() - patch.rim_count);
+        let mut positions = patch.positions.clone();
+        positions
+            .extend(band.vertices[rim..].iter().map(|&v| near.positions[v as usize]));
+        let number = |v: u32| if (v as usize) < rim { v } else { v + new as u32 };
+        let mut triangles: Vec<[u32; 3]> = patch.triangles.clone();
+        triangles.extend(band.faces.iter().map(|f| f.map(number)));
+        let mut ring = vec![0; positions.len()];
+        for r in 1..band.ring_ends.len() {
+            ring[new + band.ring_ends[r - 1]..new + band.ring_ends[r]].fill(r as u16);
+        }
+        let rings = band.ring_ends.len() - 1;
+        Self {
+            positions,
+            triangles,
+            rim_count: rim,
+            patch_count: rim + new,
+            ring,
+            band_face_count: band.faces.len(),
+            rings,
+        }
+    }
+
+    /// Whether all faces around a vertex are in the sheet.
+    pub fn is_complete(&self, v: usize) -> bool {
+        v < self.patch_count && v >= self.rim_count || (self.ring[v] as usize) < self.rings
+    }
+}
+
+/// A symmetric Laplacian by rows, positive semi-definite: `(L x)_i = Σ_j w_ij (x_i − x_j)`, with
+/// the lumped masses (a third of the area around each vertex).
+pub struct Laplacian {
+    /// Row starts.
+    pub start: Vec<u32>,
+    /// Neighbours.
+    pub to: Vec<u32>,
+    /// Weights w_ij > 0.
+    pub weight: Vec<f64>,
+    /// Sum of the weights of each row.
+    pub diagonal: Vec<f64>,
+    /// Mass of each vertex, in square mesh units.
+    pub mass: Vec<f64>,
+}
+
+/// Which weights a Laplacian has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weights {
+    /// Half the sum of the cotangents opposite to the edge, clamped.
+    Cotangent,
+    /// 1.
+    Uniform,
+}
+
+impl Laplacian {
+    /// The Laplacian of a triangle mesh.
+    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], weights: Weights) -> Self {
+        let n = positions.len();
+        let mut mass = vec![0.0; n];
+        let mut start = vec![0u32; n + 1];
+        triangles.iter().flatten().for_each(|&v| start[v as usize + 1] += 2);
+        for v in 0..n {
+            start[v + 1] += start[v];
+        }
+        let mut next = start.clone();
+        let mut entries = vec![(NONE, 0.0); 6 * triangles.len()];
+        for tri in triangles {
+            let p = tri.map(|v| positions[v as usize]);
+            let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
+            for k in 0..3 {
+                let (a, b, c) = (tri[k] as usize, tri[(k + 1) % 3] as usize, (k + 2) % 3);
+                mass[a] += area2 / 6.0;
+                let (u, v) = (p[k] - p[c], p[(k + 1) % 3] - p[c]);
+                let half_cot = 0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE);
+                for (from, to) in [(a, b), (b, a)] {
+                    entries[next[from] as usize] = (to as u32, half_cot);
+                    next[from] += 1;
+                }
+            }
+        }
+        let mut l = Self {
+            start: vec![0; n + 1],
+            to: Vec::with_capacity(entries.len() / 2 + n),
+            weight: Vec::with_capacity(entries.len() / 2 + n),
+            diagonal: vec![0.0; n],
+            mass,
+        };
+        for v in 0..n {
+            let row = &mut entries[start[v] as usize..start[v + 1] as usize];
+            row.sort_unstable_by_key(|e| e.0);
+            for same in row.chunk_by(|x, y| x.0 == y.0) {
+                let w = match weights {
+                    Weights::Uniform => 1.0,
+                    Weights::Cotangent => same
+                        .iter()
+                        .map(|e| e.1)
+                        .sum::<f64>()
+                        .clamp(WEIGHT_RANGE.0, WEIGHT_RANGE.1),
+                };
+                l.to.push(same[0].0);
+                l.weight.push(w);
+                l.diagonal[v] += w;
+            }
+            l.start[v + 1] = l.to.len() as u32;
+        }
+        l.lift_masses();
+        l
+    }
+
+    fn lift_masses(&mut self) {
+        let mut sorted = self.mass.clone();
+        if sorted.is_empty() {
+            return;
+        }
+        let middle = sorted.len() / 2;
+        let least = LEAST_MASS * *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+        self.mass.iter_mut().for_each(|m| *m = m.max(least).max(f64::MIN_POSITIVE));
+    }
+
+    /// The off-diagonal entries of a row: neighbour and weight.
+    pub fn row(&self, v: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = self.start[v] as usize..self.start[v + 1] as usize;
+        range.map(|e| (self.to[e] as usize, self.weight[e]))
+    }
+}

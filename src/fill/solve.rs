@@ -1,0 +1,73 @@
+//! One sparse symmetric positive definite system, three right-hand sides (x, y, z).
+
+use faer::linalg::solvers::Solve;
+use faer::sparse::{SparseColMat, SymbolicSparseColMat};
+use faer::{Mat, Side};
+use glam::DVec3;
+
+/// A symmetric matrix being assembled column by column: the lower triangle and the right-hand side.
+pub struct System {
+    columns: Vec<usize>,
+    rows: Vec<usize>,
+    values: Vec<f64>,
+    rhs: Vec<DVec3>,
+    /// Values of the current column, and which rows are in use.
+    scratch: Vec<f64>,
+    used: Vec<usize>,
+}
+
+impl System {
+    /// An empty system of `n` unknowns.
+    pub fn new(n: usize) -> Self {
+        Self {
+            columns: Vec::with_capacity(n + 1),
+            rows: Vec::with_capacity(12 * n),
+            values: Vec::with_capacity(12 * n),
+            rhs: Vec::with_capacity(n),
+            scratch: vec![f64::NAN; n],
+            used: Vec::new(),
+        }
+    }
+
+    /// Adds to row `i` of the current column; rows above the diagonal are left out.
+    pub fn add(&mut self, i: usize, value: f64) {
+        if i < self.columns.len() {
+            return;
+        }
+        if self.scratch[i].is_nan() {
+            self.scratch[i] = 0.0;
+            self.used.push(i);
+        }
+        self.scratch[i] += value;
+    }
+
+    /// Ends the current column, whose right-hand side is `rhs`.
+    pub fn end_column(&mut self, rhs: DVec3) {
+        self.columns.push(self.rows.len());
+        self.used.sort_unstable();
+        for &i in &self.used {
+            self.rows.push(i);
+            self.values.push(self.scratch[i]);
+            self.scratch[i] = f64::NAN;
+        }
+        self.used.clear();
+        self.rhs.push(rhs);
+    }
+
+    /// Factors (Cholesky, AMD ordering) and solves; `None` if the matrix is not positive definite.
+    pub fn solve(mut self) -> Option<Vec<DVec3>> {
+        let n = self.rhs.len();
+        if n == 0 {
+            return Some(Vec::new());
+        }
+        self.columns.push(self.rows.len());
+        let symbolic = SymbolicSparseColMat::new_checked(n, n, self.columns, None, self.rows);
+        let matrix = SparseColMat::new(symbolic, self.values);
+        let factor = matrix.sp_cholesky(Side::Lower).ok()?;
+        let rhs = Mat::from_fn(n, 3, |i, d| self.rhs[i][d]);
+        let x = factor.solve(&rhs);
+        let solution: Vec<DVec3> =
+            (0..n).map(|i| DVec3::new(x[(i, 0)], x[(i, 1)], x[(i, 2)])).collect();
+        solution.iter().all(|p| p.is_finite()).then_some(solution)
+    }
+}
