@@ -22,7 +22,8 @@ type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>;
 fn quiet(previous: Hook) -> Hook {
     Box::new(move |info| {
         let here = DEPTH.with(Cell::get) > 0;
-        let worker = rayon::current_thread_index().is_some() && ACTIVE.load(Ordering::Relaxed) > 0;
+        let named = std::thread::current().name() == Some(crate::complete::WORKER);
+        let worker = named && ACTIVE.load(Ordering::Relaxed) > 0;
         if !here && !worker {
             return previous(info);
         }

@@ -1,16 +1,31 @@
-//! The whole chain, method by method.
+//! The whole chain: the neighbourhood of the holes copied out, each hole filled, the fills put
+//! together.
 
-pub mod smooth;
+mod check;
+mod smooth;
+mod workers;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fill::sheet::Incidence;
+use crate::holes::select::select_holes;
+use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, Neighbourhood};
-use glam::DVec3;
-use crate::holes::{find_holes, HoleList};
 use crate::mesh::{FaceView, MeshView, VertexView};
-use crate::options::{Grouping, Options};
+use crate::options::{Fairing, Grouping, Options};
 use crate::progress::Monitor;
-use crate::result::Completion;
+use crate::result::{Completion, HoleReport, HoleStatus};
+use check::{Obstacles, Rounding};
+use cpu_time::ProcessTime;
+use glam::DVec3;
+use smooth::{fill_hole, Fill, Surroundings};
+use std::time::{Duration, Instant};
+pub(crate) use workers::WORKER;
+
+/// How far around its rim a hole's neighbourhood reaches, in diameters: a fill seldom bulges
+/// more, and the soft bands of the fairings need half of it.
+const REACH: f64 = 0.3;
+/// And at least this many mean rim edges.
+const REACH_EDGES: f64 = 6.0;
 
 /// Completes a mesh in one call, in silence. See [`Completer`] for the parts.
 pub fn complete_mesh<'a>(
@@ -36,12 +51,20 @@ pub fn complete_mesh_with(
 pub struct Completer<'a> {
     mesh: MeshView<'a>,
     holes: HoleList,
+    /// Wall and CPU time of finding the holes.
+    spent: (Duration, Duration),
 }
+
+/// What became of one selected hole.
+type Outcome = std::result::Result<(Fill, f64), (String, f64)>;
 
 impl<'a> Completer<'a> {
     /// Checks the arrays and finds the holes.
     pub fn new(mesh: MeshView<'a>, grouping: &Grouping, monitor: &Monitor) -> Result<Self> {
-        Ok(Self { mesh, holes: find_holes(mesh, grouping, monitor)? })
+        let (clock, cpu) = (Instant::now(), ProcessTime::now());
+        monitor.step(0.0, "finding holes")?;
+        let holes = find_holes(mesh, grouping, monitor)?;
+        Ok(Self { mesh, holes, spent: (clock.elapsed(), cpu.elapsed()) })
     }
 
     /// The holes found.
@@ -50,26 +73,217 @@ impl<'a> Completer<'a> {
     }
 
     /// Fills the holes that `options` select. `options.grouping` is not read: it was settled in
-    /// [`Completer::new`].
-    pub fn complete(&self, options: &Options, _monitor: &Monitor) -> Result<Completion> {
+    /// [`Completer::new`]. The seconds returned include those of [`Completer::new`].
+    pub fn complete(&self, options: &Options, monitor: &Monitor) -> Result<Completion> {
+        let (clock, cpu) = (Instant::now(), ProcessTime::now());
         options.check()?;
-        let t0 = std::time::Instant::now();
-        let boxes: Vec<Bounds> = self.holes.holes.iter().map(|h| {
-            let b = Bounds::of(h.loops.iter().flat_map(|&l| &self.holes.loops[l].vertices).map(|&v| DVec3::from(self.mesh.vertices.get(v as usize))));
-            b.grown(0.3 * h.diameter + 6.0 * h.circumference / h.edges as f64)
-        }).collect();
-        let near = Neighbourhood::gather(self.mesh, &boxes, _monitor)?;
+        let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
+        let todo = self.safe_holes(&wanted, options)?;
+        monitor.step(0.05, "copying the surroundings")?;
+        let boxes: Vec<Bounds> = todo.iter().map(|h| self.reach(h)).collect();
+        let near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
         let incidence = Incidence::new(&near);
-        if std::env::var("CM_T").is_ok() { eprintln!("gather {:?} {} faces", t0.elapsed(), near.faces.len()); }
-        let mut c = Completion { input_vertex_count: self.mesh.vertices.len(), input_face_count: self.mesh.faces.len(), vertices: vec![], faces: vec![], vertex_hole: vec![], face_hole: vec![], holes: vec![], seconds: 0.0, cpu_seconds: 0.0 };
-        for h in &self.holes.holes {
-            let loops: Vec<Vec<u32>> = h.loops.iter().map(|&l| self.holes.loops[l].vertices.iter().map(|&v| near.local(v).unwrap()).collect()).collect();
-            let Some((outline, patch)) = smooth::fill_hole(&near, &incidence, &loops) else { eprintln!("hole {} failed", h.id); continue };
-            let base = (c.input_vertex_count + c.vertices.len()) as u32;
-            let r = patch.rim_count;
-            for p in &patch.positions[r..] { c.vertices.push(p.to_array().map(|x| x as f32 as f64)); c.vertex_hole.push(h.id as u32); }
-            for t in &patch.triangles { c.faces.push(t.map(|v| if (v as usize) < r { near.vertices[outline.vertices[v as usize] as usize] } else { base + v - r as u32 })); c.face_hole.push(h.id as u32); }
-        }
-        Ok(c)
+        let single = self.mesh.vertices.is_single();
+        let around = Surroundings {
+            near: &near,
+            incidence: &incidence,
+            fairing: options.fairing,
+            sizing: options.sizing,
+            rounding: if single { Rounding::Single } else { Rounding::Double },
+        };
+        monitor.step(0.1, "filling")?;
+        let mut outcomes = workers::run(todo.len(), options.threads, monitor, &|i, check| {
+            let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
+            self.fill_one(&around, &obstacles, todo[i], check)
+        })?;
+        monitor.step(0.95, "checking the fills against each other")?;
+        self.part_fills(&around, &boxes, &todo, &mut outcomes, monitor)?;
+        let mut completion = self.assemble(&near, &wanted, &todo, outcomes, options)?;
+        completion.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
+        completion.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
+        monitor.step(1.0, "done")?;
+        Ok(completion)
     }
+
+    /// The selected holes that can be filled; an error for others unless they are to be skipped.
+    fn safe_holes(&self, wanted: &[bool], options: &Options) -> Result<Vec<&Hole>> {
+        let selected = self.holes.holes.iter().filter(|h| wanted[h.id]);
+        let (mut safe, mut bad) = (Vec::new(), None);
+        for hole in selected {
+            match &hole.problem {
+                Some(problem) => bad = bad.or(Some((hole.id, problem.clone()))),
+                None => safe.push(hole),
+            }
+        }
+        match bad {
+            Some((hole, problem)) if !options.skip_unsafe => {
+                Err(Error::UnsafeHole { hole, problem })
+            }
+            _ => Ok(safe),
+        }
+    }
+
+    fn reach(&self, hole: &Hole) -> Bounds {
+        let rim = hole.loops.iter().flat_map(|&l| &self.holes.loops[l].vertices);
+        let bounds = Bounds::of(rim.map(|&v| DVec3::from(self.mesh.vertices.get(v as usize))));
+        let edge = hole.circumference / hole.edges.max(1) as f64;
+        bounds.grown(REACH * hole.diameter + REACH_EDGES * edge)
+    }
+
+    fn fill_one(
+        &self,
+        around: &Surroundings<'_>,
+        obstacles: &Obstacles<'_>,
+        hole: &Hole,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Outcome> {
+        let clock = Instant::now();
+        let local = |&v: &u32| around.near.local(v);
+        let loops: Option<Vec<Vec<u32>>> = hole
+            .loops
+            .iter()
+            .map(|&l| self.holes.loops[l].vertices.iter().map(local).collect())
+            .collect();
+        // The neighbourhood holds every face that touches the rim's box.
+        let Some(loops) = loops else {
+            return Ok(Err(("its rim was not found again".into(), 0.0)));
+        };
+        let filled = fill_hole(around, &loops, obstacles, check)?;
+        let seconds = clock.elapsed().as_secs_f64();
+        Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
+    }
+
+    /// Fills made side by side may meet: the later one is then made again around the earlier.
+    fn part_fills(
+        &self,
+        around: &Surroundings<'_>,
+        boxes: &[Bounds],
+        todo: &[&Hole],
+        outcomes: &mut [Outcome],
+        monitor: &Monitor,
+    ) -> Result<()> {
+        let bounds: Vec<Bounds> = outcomes
+            .iter()
+            .map(|o| match o {
+                Ok((fill, _)) => Bounds::of(fill.patch.positions.iter().copied()),
+                Err(_) => Bounds::EMPTY,
+            })
+            .collect();
+        let mut order: Vec<usize> = (0..bounds.len()).collect();
+        order.sort_by(|&a, &b| bounds[a].min.x.total_cmp(&bounds[b].min.x).then(a.cmp(&b)));
+        // Neighbours by a sweep along x; for each fill the earlier holes whose box meets its own.
+        let mut earlier: Vec<Vec<usize>> = vec![Vec::new(); bounds.len()];
+        for (place, &a) in order.iter().enumerate() {
+            for &b in &order[place + 1..] {
+                if bounds[b].min.x > bounds[a].max.x {
+                    break;
+                }
+                if bounds[a].overlaps(&bounds[b]) {
+                    earlier[a.max(b)].push(a.min(b));
+                }
+            }
+        }
+        for i in 0..outcomes.len() {
+            monitor.check()?;
+            earlier[i].sort_unstable();
+            let others: Vec<[DVec3; 3]> = earlier[i]
+                .iter()
+                .filter_map(|&j| outcomes[j].as_ref().ok())
+                .flat_map(|(f, _)| f.patch.triangles.iter().map(|t| t.map(|v| f.patch.p(v))))
+                .collect();
+            let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &others };
+            let meets = match &outcomes[i] {
+                Ok((fill, _)) if !others.is_empty() => obstacles.meets(around, &fill.patch),
+                _ => false,
+            };
+            if meets {
+                outcomes[i] = self.fill_one(around, &obstacles, todo[i], &|_| monitor.check())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The result, holes in order of their ids.
+    fn assemble(
+        &self,
+        near: &Neighbourhood,
+        wanted: &[bool],
+        todo: &[&Hole],
+        outcomes: Vec<Outcome>,
+        options: &Options,
+    ) -> Result<Completion> {
+        let mut out = Completion {
+            input_vertex_count: self.mesh.vertices.len(),
+            input_face_count: self.mesh.faces.len(),
+            vertices: Vec::new(),
+            faces: Vec::new(),
+            vertex_hole: Vec::new(),
+            face_hole: Vec::new(),
+            holes: self.holes.holes.iter().map(|h| blank_report(h, wanted[h.id])).collect(),
+            seconds: 0.0,
+            cpu_seconds: 0.0,
+        };
+        for (hole, outcome) in todo.iter().zip(outcomes) {
+            let (first_vertex, first_face) = (out.vertices.len(), out.faces.len());
+            let report = &mut out.holes[hole.id];
+            report.vertices = first_vertex..first_vertex;
+            report.faces = first_face..first_face;
+            match outcome {
+                Ok((fill, seconds)) => {
+                    let vertices = append(near, &fill, hole.id, &mut out)?;
+                    let report = &mut out.holes[hole.id];
+                    report.vertices = first_vertex..first_vertex + vertices;
+                    report.faces = first_face..out.faces.len();
+                    report.status = HoleStatus::Filled;
+                    report.fairing = fill.fairing;
+                    report.seconds = seconds;
+                }
+                Err((reason, seconds)) => {
+                    let error = Error::HoleFailed { hole: hole.id, reason };
+                    if !options.skip_unsafe {
+                        return Err(error);
+                    }
+                    report.status = HoleStatus::Failed(error);
+                    report.seconds = seconds;
+                }
+            }
+        }
+        Ok(out)
+    }
+}
+
+fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
+    let status = match &hole.problem {
+        Some(problem) if wanted => HoleStatus::Unsafe(problem.clone()),
+        _ => HoleStatus::NotSelected,
+    };
+    HoleReport {
+        hole: hole.id,
+        loops: hole.loops.clone(),
+        status,
+        fairing: Fairing::Auto,
+        vertices: 0..0,
+        faces: 0..0,
+        seconds: 0.0,
+    }
+}
+
+/// Appends a fill; returns how many vertices it has.
+fn append(near: &Neighbourhood, fill: &Fill, hole: usize, out: &mut Completion) -> Result<usize> {
+    let rim = fill.patch.rim_count;
+    let base = out.input_vertex_count + out.vertices.len();
+    let new = &fill.patch.positions[rim..];
+    let limit = u32::MAX as usize - 1;
+    if base + new.len() > limit {
+        return Err(Error::TooLarge { what: "vertices", count: base + new.len(), limit });
+    }
+    out.vertices.extend(new.iter().map(|p| p.to_array()));
+    out.vertex_hole.resize(out.vertices.len(), hole as u32);
+    let index = |v: u32| match (v as usize).checked_sub(rim) {
+        Some(i) => (base + i) as u32,
+        None => near.vertices[fill.outline.vertices[v as usize] as usize],
+    };
+    out.faces.extend(fill.patch.triangles.iter().map(|t| t.map(index)));
+    out.face_hole.resize(out.faces.len(), hole as u32);
+    Ok(new.len())
 }

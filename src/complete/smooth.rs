@@ -1,58 +1,211 @@
-//! The smooth completion of one hole: triangulation, refinement, fairing.
+//! The smooth completion of one hole: triangulation, refinement, fairing, each checked.
+//!
+//! `Fairing::Auto` works in two steps. On a coarse fill the thin plate (C1) and the triharmonic
+//! surface (C2) both predict the rim and a few rings that are hidden from them; the blend that
+//! predicts best is kept. On the fine fill the thin plate is solved again and the difference
+//! that the blend made is added. Should the result meet itself or the mesh and resist repair,
+//! the membrane is tried, then the plain refined triangulation.
 
-use crate::fill::fairing::{fair, Plate};
+use super::check::{Obstacles, Rounding};
+use crate::error::Result;
+use crate::fill::fairing::{fair, predict_hidden, Plate};
 use crate::fill::outline::Outline;
 use crate::fill::patch::Patch;
 use crate::fill::polygon::join_loops;
-use crate::fill::refine::{refine, Relax};
+use crate::fill::refine::{refine, split_taken};
 use crate::fill::sheet::{Band, Incidence, Sheet};
 use crate::fill::triangulate::triangulate;
 use crate::mesh::neighbourhood::Neighbourhood;
+use crate::options::{Fairing, Sizing};
+use glam::DVec3;
 
-pub fn env(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|s| s.parse().ok()).unwrap_or(default)
+/// Share of the hole's radius that is hidden from the predictions: measured with 0.05, 0.1, 0.2
+/// and 0.3; nearer the choice is noise, farther it is about another surface.
+const HIDDEN_SHARE: f64 = 0.1;
+/// Wanted edge length of the coarse fill, in fine ones.
+const COARSE: f64 = 2.0;
+/// Holes with less radius than this many edges are filled finely at once.
+const SMALL: f64 = 6.0;
+/// Smoothing length of the smoothed plate, in hole radii; and its band.
+const SMOOTHING: f64 = 0.1;
+const SOFT_BAND: f64 = 0.4;
+
+/// What all holes of a call share.
+pub struct Surroundings<'a> {
+    /// The mesh near the holes.
+    pub near: &'a Neighbourhood,
+    /// Its faces by vertex.
+    pub incidence: &'a Incidence,
+    /// The caller's choice of surface.
+    pub fairing: Fairing,
+    /// The caller's choice of size.
+    pub sizing: Sizing,
+    /// Precision of the result.
+    pub rounding: Rounding,
 }
 
-/// dev
-pub fn fill_hole(near: &Neighbourhood, incidence: &Incidence, loops: &[Vec<u32>]) -> Option<(Outline, Patch)> {
-    let t0 = std::time::Instant::now();
-    let mut outline = Outline::new(near, incidence, loops);
-    let scale = env("CM_SCALE", 1.0);
-    outline.sizes.iter_mut().for_each(|s| *s *= scale);
+/// A finished fill. New vertices lie where the caller's precision puts them.
+pub struct Fill {
+    /// The rim.
+    pub outline: Outline,
+    /// The triangles.
+    pub patch: Patch,
+    /// The fairing that was used.
+    pub fairing: Fairing,
+}
+
+/// Fills one hole whose loops are given in neighbourhood vertices. `check` is called between the
+/// stages and may cancel. The inner error says why no fill keeps the contract.
+pub fn fill_hole(
+    around: &Surroundings<'_>,
+    loops: &[Vec<u32>],
+    obstacles: &Obstacles<'_>,
+    check: &dyn Fn(f64) -> Result<()>,
+) -> Result<std::result::Result<Fill, String>> {
+    let mut outline = Outline::new(around.near, around.incidence, loops);
+    match around.sizing {
+        Sizing::Scaled(f) => outline.sizes.iter_mut().for_each(|s| *s *= f),
+        Sizing::EdgeLength(l) => outline.sizes.fill(l),
+        Sizing::Surroundings | Sizing::None => {}
+    }
     let polygon = join_loops(&outline.positions, &outline.rims);
-    let t1 = std::time::Instant::now();
-    let mut patch = triangulate(&outline.positions, &outline.sizes, &polygon);
-    let t2 = std::time::Instant::now();
-    refine(&mut patch, &outline.taken, Relax::Freely, env("CM_ROUNDS", 4.0) as usize);
-    let t3 = std::time::Instant::now();
-    let edge = outline.mean_size();
-    let rh = {
-        let c = outline.positions.iter().copied().sum::<glam::DVec3>() / outline.positions.len() as f64;
-        outline.positions.iter().map(|p| p.distance(c)).fold(0.0, f64::max)
+    let Some(coarse) = triangulate(&outline.positions, &outline.sizes, &polygon) else {
+        return Ok(Err("its rim has no triangulation".into()));
     };
-    let plate = match env("CM_PLATE", 1.0) as i32 {
-        0 => Plate::Membrane,
-        1 => Plate::Thin,
-        2 => Plate::Triharmonic,
-        3 => Plate::LeastSquares,
-        _ => Plate::Smoothed((env("CM_S", 0.1) * rh).max(env("CM_SE", 0.0) * edge)),
+    check(0.2)?;
+    let attempts = match (around.fairing, around.sizing) {
+        (Fairing::Auto, Sizing::None) => vec![Fairing::None],
+        (Fairing::Auto, _) => vec![Fairing::Auto, Fairing::C1, Fairing::C0, Fairing::None],
+        (one, _) => vec![one],
     };
-    let rings = plate.rings() + if plate.is_soft() { (env("CM_BAND", 0.4) * rh / edge).ceil().max(3.0) as usize } else { 0 };
-    let band = Band::grow(near, incidence, &outline.vertices, rings);
-    let passes = env("CM_PASSES", 2.0) as usize;
-    for pass in 0..passes {
-        let sheet = Sheet::new(&patch, &band, near);
-        let t = std::time::Instant::now();
-        let moved = fair(&sheet, plate, edge)?;
-        if std::env::var("CM_T").is_ok() { eprintln!("  fair {} unknown {:?}", patch.positions.len()-patch.rim_count, t.elapsed()); }
-        let rim = patch.rim_count;
-        let n = moved.len();
-        let total = patch.positions.len();
-        patch.positions[rim..].copy_from_slice(&moved[n - (total - rim)..]);
-        if pass + 1 < passes {
-            refine(&mut patch, &outline.taken, Relax::InTangentPlane, env("CM_ROUNDS2", 2.0) as usize);
+    let mut reason = String::new();
+    for attempt in attempts {
+        let made = match make(around, &outline, coarse.clone(), attempt, check)? {
+            Ok(patch) => obstacles.settle(around, patch),
+            Err(reason) => Err(reason),
+        };
+        check(0.95)?;
+        match made {
+            Ok(patch) => {
+                // The blend is a thin plate with a share of curvature.
+                let fairing = if attempt == Fairing::Auto { Fairing::C1 } else { attempt };
+                return Ok(Ok(Fill { outline, patch, fairing }));
+            }
+            Err(why) => reason = why,
         }
     }
-    if std::env::var("CM_T").is_ok() { eprintln!("outline {:?} tri {:?} refine {:?} fair+ {:?}", t1-t0, t2-t1, t3-t2, t3.elapsed()); }
-    Some((outline, patch))
+    Ok(Err(reason))
+}
+
+/// One attempt: refined and faired, not yet checked.
+fn make(
+    around: &Surroundings<'_>,
+    outline: &Outline,
+    mut patch: Patch,
+    fairing: Fairing,
+    check: &dyn Fn(f64) -> Result<()>,
+) -> Result<std::result::Result<Patch, String>> {
+    const TOO_MANY: &str = "its wanted edge length asks for too many vertices";
+    const NO_FACTOR: &str = "the fairing's system is not positive definite";
+    if around.sizing == Sizing::None {
+        split_taken(&mut patch, &outline.taken);
+        patch.compact();
+    } else if fairing == Fairing::Auto {
+        return auto(around, outline, patch, check);
+    } else if !refine(&mut patch, &outline.taken, 4) {
+        return Ok(Err(TOO_MANY.into()));
+    }
+    let Some(plate) = plate_of(fairing, outline) else { return Ok(Ok(patch)) };
+    let band = band_for(around, outline, plate);
+    for pass in 0..2 {
+        check(0.3 + 0.3 * f64::from(pass))?;
+        let sheet = Sheet::new(&patch, &band, around.near);
+        let Some(moved) = fair(&sheet, plate, outline.mean_size()) else {
+            return Ok(Err(NO_FACTOR.into()));
+        };
+        place(&mut patch, &moved);
+        if pass == 0 && around.sizing != Sizing::None && !refine(&mut patch, &outline.taken, 2) {
+            return Ok(Err(TOO_MANY.into()));
+        }
+    }
+    Ok(Ok(patch))
+}
+
+/// The blend of thin plate and triharmonic surface that the surroundings ask for.
+fn auto(
+    around: &Surroundings<'_>,
+    outline: &Outline,
+    mut patch: Patch,
+    check: &dyn Fn(f64) -> Result<()>,
+) -> Result<std::result::Result<Patch, String>> {
+    let failed = |why: &str| Ok(Err(why.to_string()));
+    let (near, incidence) = (around.near, around.incidence);
+    let edge = outline.mean_size();
+    let radius = outline.radius();
+    let coarse = if radius > SMALL * edge { COARSE } else { 1.0 };
+    // New vertices inherit from the rim, so the coarse size is set after the first splits.
+    patch.sizes.iter_mut().for_each(|s| *s *= coarse);
+    if !refine(&mut patch, &outline.taken, 3) {
+        return failed("its wanted edge length asks for too many vertices");
+    }
+    check(0.3)?;
+    let hidden = ((HIDDEN_SHARE * radius / edge).round() as usize).max(1);
+    let band = Band::grow(near, incidence, &outline.vertices, hidden + 2);
+    let sheet = Sheet::new(&patch, &band, near);
+    let Some(prediction) = predict_hidden(&sheet, hidden) else {
+        return failed("the fairing's system is not positive definite");
+    };
+    check(0.5)?;
+    place(&mut patch, &prediction.positions);
+    let band = Band::grow(near, incidence, &outline.vertices, 2);
+    if prediction.share > 0.0 {
+        let sheet = Sheet::new(&patch, &band, near);
+        let (thin, curved) =
+            (fair(&sheet, Plate::Thin, edge), fair(&sheet, Plate::Triharmonic, edge));
+        if let (Some(thin), Some(curved)) = (thin, curved) {
+            let rim = patch.rim_count;
+            for (i, (a, b)) in thin.iter().zip(&curved).enumerate() {
+                patch.positions[rim + i] = a.lerp(*b, prediction.share);
+                patch.offsets[rim + i] = prediction.share * (*b - *a);
+            }
+        }
+    }
+    patch.sizes.iter_mut().for_each(|s| *s /= coarse);
+    if !refine(&mut patch, &outline.taken, 3) {
+        return failed("its wanted edge length asks for too many vertices");
+    }
+    check(0.6)?;
+    let sheet = Sheet::new(&patch, &band, near);
+    let Some(thin) = fair(&sheet, Plate::Thin, edge) else {
+        return failed("the fairing's system is not positive definite");
+    };
+    place(&mut patch, &thin);
+    let rim = patch.rim_count;
+    for v in rim..patch.positions.len() {
+        let offset = patch.offsets[v];
+        patch.positions[v] += offset;
+    }
+    Ok(Ok(patch))
+}
+
+fn place(patch: &mut Patch, moved: &[DVec3]) {
+    let rim = patch.rim_count;
+    patch.positions[rim..].copy_from_slice(moved);
+}
+
+fn plate_of(fairing: Fairing, outline: &Outline) -> Option<Plate> {
+    match fairing {
+        Fairing::Auto | Fairing::None => None,
+        Fairing::C0 => Some(Plate::Membrane),
+        Fairing::C1 => Some(Plate::Thin),
+        Fairing::C2 => Some(Plate::Triharmonic),
+        Fairing::LeastSquares => Some(Plate::LeastSquares),
+        Fairing::SmoothedPlate => Some(Plate::Smoothed(SMOOTHING * outline.radius())),
+    }
+}
+
+fn band_for(around: &Surroundings<'_>, outline: &Outline, plate: Plate) -> Band {
+    let soft = (SOFT_BAND * outline.radius() / outline.mean_size()).ceil().max(3.0) as usize;
+    let rings = plate.rings() + if plate.is_soft() { soft } else { 0 };
+    Band::grow(around.near, around.incidence, &outline.vertices, rings)
 }

@@ -59,7 +59,7 @@ pub fn fair(sheet: &Sheet, plate: Plate, edge: f64) -> Option<Vec<DVec3>> {
     let l = Laplacian::new(&sheet.positions, &sheet.triangles, weights);
     match plate {
         Plate::Membrane => solve_membrane(sheet, &l),
-        Plate::Triharmonic => solve_triharmonic(sheet, &l),
+        Plate::Triharmonic => solve_triharmonic(sheet, &l, |_| None, 1.0),
         Plate::Thin => solve_plate(sheet, &l, |_| None, 1.0),
         Plate::LeastSquares => {
             let soft = |v: usize| (v < sheet.rim_count || v >= sheet.patch_count).then_some(1.0);
@@ -74,6 +74,41 @@ pub fn fair(sheet: &Sheet, plate: Plate, edge: f64) -> Option<Vec<DVec3>> {
             join_to_rim(sheet, smooth, edge)
         }
     }
+}
+
+/// What a hidden part of the surroundings says about the surface that continues it.
+pub struct Prediction {
+    /// Share of the triharmonic surface in the blend with the thin plate, 0 to [`MOST_CURVED`].
+    pub share: f64,
+    /// The blend at the patch's new vertices.
+    pub positions: Vec<DVec3>,
+}
+
+/// Largest share of the triharmonic surface. It carries the curvature at the rim inward and so
+/// can miss by much more than the thin plate: half of it at most is what paid on 17 holes cut
+/// into scans and models (`docs/smooth.md`).
+pub const MOST_CURVED: f64 = 0.5;
+
+/// Hides the rim and the first `hidden` rings from both plates and finds the blend that predicts
+/// them best. With x₁ the thin, x₂ the triharmonic prediction and p the truth,
+/// w = Σ m ⟨p − x₁, x₂ − x₁⟩ / Σ m |x₂ − x₁|². The sheet must have `hidden` + 2 rings.
+pub fn predict_hidden(sheet: &Sheet, hidden: usize) -> Option<Prediction> {
+    let l = Laplacian::new(&sheet.positions, &sheet.triangles, Weights::Cotangent);
+    let is_free = |v: usize| is_new(sheet, v) || sheet.ring[v] as usize <= hidden;
+    let (number, free) = number_unknowns(sheet, is_free);
+    let thin = assemble_plate(sheet, &l, |_| None, 1.0, &number, &free).solve()?;
+    let curved = assemble_triharmonic(sheet, &l, |_| None, 1.0, &number, &free).solve()?;
+    let (mut product, mut square) = (0.0, 0.0);
+    for (i, &v) in free.iter().enumerate().filter(|&(_, &v)| !is_new(sheet, v)) {
+        let apart = curved[i] - thin[i];
+        product += l.mass[v] * apart.dot(sheet.positions[v] - thin[i]);
+        square += l.mass[v] * apart.length_squared();
+    }
+    let share = if square > 0.0 { (product / square).clamp(0.0, MOST_CURVED) } else { 0.0 };
+    let blend = |i: usize| thin[i].lerp(curved[i], share);
+    let positions =
+        (sheet.rim_count..sheet.patch_count).map(|v| blend(number[v] as usize)).collect();
+    Some(Prediction { share, positions })
 }
 
 /// Numbers of the unknowns among all vertices.
@@ -95,8 +130,12 @@ fn is_new(sheet: &Sheet, v: usize) -> bool {
 
 fn solve_membrane(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
     let (number, free) = number_unknowns(sheet, |v| is_new(sheet, v));
+    assemble_membrane(sheet, l, &number, &free).solve()
+}
+
+fn assemble_membrane(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[usize]) -> System {
     let mut system = System::new(free.len());
-    for &v in &free {
+    for &v in free {
         let mut rhs = DVec3::ZERO;
         system.add(number[v] as usize, l.diagonal[v]);
         for (w, weight) in l.row(v) {
@@ -107,7 +146,7 @@ fn solve_membrane(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
         }
         system.end_column(rhs);
     }
-    system.solve()
+    system
 }
 
 /// Minimises scale · Σ |(L x)_i|² / m_i over complete rows + Σ soft(i) |x_i − p_i|². Returns the
@@ -120,11 +159,22 @@ fn solve_plate(
 ) -> Option<Vec<DVec3>> {
     let is_soft = soft(0).is_some();
     let last = sheet.rings as u16;
-    let is_free =
-        |v: usize| is_new(sheet, v) || is_soft && sheet.ring[v] < last;
+    let is_free = |v: usize| is_new(sheet, v) || is_soft && sheet.ring[v] < last;
     let (number, free) = number_unknowns(sheet, is_free);
+    let solution = assemble_plate(sheet, l, soft, scale, &number, &free).solve()?;
+    solution_on_patch(sheet, &number, &solution, is_soft)
+}
+
+fn assemble_plate(
+    sheet: &Sheet,
+    l: &Laplacian,
+    soft: impl Fn(usize) -> Option<f64>,
+    scale: f64,
+    number: &[u32],
+    free: &[usize],
+) -> System {
     let mut system = System::new(free.len());
-    for &v in &free {
+    for &v in free {
         let mut rhs = DVec3::ZERO;
         // Column v of L: the rows in which x_v occurs.
         let column = std::iter::once((v, l.diagonal[v])).chain(l.row(v).map(|(i, w)| (i, -w)));
@@ -147,13 +197,7 @@ fn solve_plate(
         }
         system.end_column(rhs);
     }
-    let solution = system.solve()?;
-    let value = |v: usize| match number[v] {
-        u32::MAX => sheet.positions[v],
-        i => solution[i as usize],
-    };
-    let first = if is_soft { 0 } else { sheet.rim_count };
-    Some((first..sheet.patch_count).map(value).collect())
+    system
 }
 
 /// x = y + δ: y the smooth solution at all patch vertices, δ its residual at the rim, spread by
@@ -183,38 +227,66 @@ fn join_to_rim(sheet: &Sheet, smooth: Vec<DVec3>, edge: f64) -> Option<Vec<DVec3
     Some((rim..sheet.patch_count).map(|v| smooth[v] + spread[v - rim]).collect())
 }
 
-/// Minimises Σ_edges w_ij |(M⁻¹ L x)_i − (M⁻¹ L x)_j|²: the gradient of the mean curvature vector.
-fn solve_triharmonic(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
-    let (number, free) = number_unknowns(sheet, |v| is_new(sheet, v));
+/// Minimises scale · Σ_edges w_ij |(M⁻¹ L x)_i − (M⁻¹ L x)_j|², the gradient of the mean curvature
+/// vector, over edges whose ends both have all their neighbours, + Σ soft(i) |x_i − p_i|².
+/// Returns what [`solve_plate`] returns.
+fn solve_triharmonic(
+    sheet: &Sheet,
+    l: &Laplacian,
+    soft: impl Fn(usize) -> Option<f64>,
+    scale: f64,
+) -> Option<Vec<DVec3>> {
+    let is_soft = soft(0).is_some();
+    let last = sheet.rings as u16;
+    let is_free = |v: usize| is_new(sheet, v) || is_soft && sheet.ring[v] < last;
+    let (number, free) = number_unknowns(sheet, is_free);
+    let solution = assemble_triharmonic(sheet, l, soft, scale, &number, &free).solve()?;
+    solution_on_patch(sheet, &number, &solution, is_soft)
+}
+
+fn assemble_triharmonic(
+    sheet: &Sheet,
+    l: &Laplacian,
+    soft: impl Fn(usize) -> Option<f64>,
+    scale: f64,
+    number: &[u32],
+    free: &[usize],
+) -> System {
     let mut system = System::new(free.len());
-    // Column v of L M⁻¹ L M⁻¹ L, by three products with sparse vectors.
     let n = sheet.positions.len();
-    let mut apply = Apply { values: [vec![0.0; n], vec![0.0; n]], used: [vec![], vec![]] };
-    for &v in &free {
-        apply.start(v);
-        apply.multiply(l, |i| sheet.is_complete(i), true);
-        apply.multiply(l, |i| sheet.is_complete(i), true);
-        apply.multiply(l, |_| true, false);
+    let mut column = Column { values: [vec![0.0; n], vec![0.0; n]], used: [vec![], vec![]] };
+    for &v in free {
+        column.unit(v);
+        column.multiply(l, |i| sheet.is_complete(i));
+        column.divide(&l.mass);
+        column.multiply_inside(l, |i| sheet.is_complete(i));
+        column.divide(&l.mass);
+        column.multiply(l, |_| true);
         let mut rhs = DVec3::ZERO;
-        for &k in &apply.used[0] {
+        for &k in &column.used[0] {
+            let value = scale * column.values[0][k];
             match number[k] {
-                u32::MAX => rhs -= apply.values[0][k] * sheet.positions[k],
-                j => system.add(j as usize, apply.values[0][k]),
+                u32::MAX => rhs -= value * sheet.positions[k],
+                j => system.add(j as usize, value),
             }
+        }
+        if let Some(weight) = soft(v).filter(|_| !is_new(sheet, v)) {
+            system.add(number[v] as usize, weight);
+            rhs += weight * sheet.positions[v];
         }
         system.end_column(rhs);
     }
-    system.solve()
+    system
 }
 
-/// A sparse vector multiplied by L again and again.
-struct Apply {
+/// A column of a product of Laplacians: a sparse vector, multiplied again and again.
+struct Column {
     values: [Vec<f64>; 2],
     used: [Vec<usize>; 2],
 }
 
-impl Apply {
-    fn start(&mut self, v: usize) {
+impl Column {
+    fn unit(&mut self, v: usize) {
         self.clear(0);
         self.values[0][v] = 1.0;
         self.used[0].push(v);
@@ -225,30 +297,60 @@ impl Apply {
         }
         self.used[side].clear();
     }
-    /// x ← L x at the rows allowed, divided by the masses if asked.
-    fn multiply(&mut self, l: &Laplacian, allowed: impl Fn(usize) -> bool, divide: bool) {
+    fn divide(&mut self, mass: &[f64]) {
+        self.used[0].iter().for_each(|&i| self.values[0][i] /= mass[i]);
+    }
+    /// x ← L x at the rows allowed.
+    fn multiply(&mut self, l: &Laplacian, allowed: impl Fn(usize) -> bool) {
+        self.spread(l, |_, i| allowed(i), |j| l.diagonal[j]);
+    }
+    /// The same with the Laplacian of the edges both of whose ends are allowed.
+    fn multiply_inside(&mut self, l: &Laplacian, allowed: impl Fn(usize) -> bool) {
+        let diagonal =
+            |j: usize| l.row(j).filter(|&(i, _)| allowed(i)).map(|(_, w)| w).sum::<f64>();
+        self.spread(l, |j, i| allowed(j) && allowed(i), diagonal);
+    }
+    fn spread(
+        &mut self,
+        l: &Laplacian,
+        allowed: impl Fn(usize, usize) -> bool,
+        diagonal: impl Fn(usize) -> f64,
+    ) {
         self.clear(1);
         let ([from, to], [used, fresh]) = (&mut self.values, &mut self.used);
-        let mut add = |i: usize, x: f64, fresh: &mut Vec<usize>| {
-            if allowed(i) {
-                if to[i] == 0.0 {
-                    fresh.push(i);
-                }
-                to[i] += x;
+        let mut add = |i: usize, x: f64| {
+            if to[i] == 0.0 {
+                fresh.push(i);
             }
+            to[i] += x;
         };
         for &j in used.iter() {
-            add(j, l.diagonal[j] * from[j], fresh);
-            for (i, w) in l.row(j) {
-                add(i, -w * from[j], fresh);
+            if allowed(j, j) {
+                add(j, diagonal(j) * from[j]);
+            }
+            for (i, w) in l.row(j).filter(|&(i, _)| allowed(j, i)) {
+                add(i, -w * from[j]);
             }
         }
+        // A value may have passed through zero and been noted twice.
         fresh.sort_unstable();
         fresh.dedup();
-        if divide {
-            fresh.iter().for_each(|&i| to[i] /= l.mass[i]);
-        }
         self.values.swap(0, 1);
         self.used.swap(0, 1);
     }
+}
+
+/// The solution at the patch's vertices: all of them where the rim is soft, else the new ones.
+fn solution_on_patch(
+    sheet: &Sheet,
+    number: &[u32],
+    solution: &[DVec3],
+    is_soft: bool,
+) -> Option<Vec<DVec3>> {
+    let value = |v: usize| match number[v] {
+        u32::MAX => sheet.positions[v],
+        i => solution[i as usize],
+    };
+    let first = if is_soft { 0 } else { sheet.rim_count };
+    Some((first..sheet.patch_count).map(value).collect())
 }

@@ -43,6 +43,13 @@ impl Outline {
         Self { vertices, positions, sizes, rims, taken }
     }
 
+    /// Greatest distance of a rim vertex from the middle of all, in mesh units.
+    pub fn radius(&self) -> f64 {
+        let middle =
+            self.positions.iter().copied().sum::<DVec3>() / self.positions.len().max(1) as f64;
+        self.positions.iter().map(|p| p.distance(middle)).fold(0.0, f64::max)
+    }
+
     /// Mean of the sizes.
     pub fn mean_size(&self) -> f64 {
         self.sizes.iter().sum::<f64>() / self.sizes.len().max(1) as f64
@@ -74,8 +81,7 @@ fn edge_normal(near: &Neighbourhood, incidence: &Incidence, a: u32, b: u32) -> D
 fn taken_edges(near: &Neighbourhood, incidence: &Incidence, rim: &[u32]) -> Vec<(u32, u32)> {
     let mut order: Vec<(u32, u32)> = rim.iter().copied().zip(0..).collect();
     order.sort_unstable();
-    let patch_vertex =
-        |v: u32| order.binary_search_by_key(&v, |o| o.0).ok().map(|i| order[i].1);
+    let patch_vertex = |v: u32| order.binary_search_by_key(&v, |o| o.0).ok().map(|i| order[i].1);
     let mut taken = Vec::new();
     for (i, &v) in rim.iter().enumerate() {
         for w in incidence.faces(v).iter().flat_map(|&f| near.faces[f as usize]) {

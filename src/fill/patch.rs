@@ -16,6 +16,8 @@ pub struct Patch {
     pub positions: Vec<DVec3>,
     /// Wanted edge length at each vertex, in mesh units.
     pub sizes: Vec<f64>,
+    /// A displacement carried along while the patch is refined, in mesh units.
+    pub offsets: Vec<DVec3>,
     /// How many vertices belong to the rim.
     pub rim_count: usize,
     /// Vertices of each triangle; a dead one starts with `NONE`.
@@ -170,6 +172,7 @@ impl Patch {
         let m = self.positions.len() as u32;
         self.positions.push(position);
         self.sizes.push(0.5 * (self.sizes[a as usize] + self.sizes[b as usize]));
+        self.offsets.push(0.5 * (self.offsets[a as usize] + self.offsets[b as usize]));
         let (t2, n2) = (self.triangles.len() as u32, self.triangles.len() as u32 + 1);
         self.relink(bc, t, t2, b, c);
         self.relink(db, n, n2, d, b);
@@ -183,30 +186,6 @@ impl Patch {
         self.across.push([t2, n, db]);
         self.at.push(t);
         for (v, tri) in [(a, t), (b, t2), (c, t), (d, n)] {
-            self.at[v as usize] = tri;
-        }
-        m
-    }
-
-    /// Puts a new vertex inside triangle `t`; returns it.
-    pub fn split_face(&mut self, t: u32, position: DVec3) -> u32 {
-        let [a, b, c] = self.triangles[t as usize];
-        let [_, bc, ca] = self.across[t as usize];
-        let m = self.positions.len() as u32;
-        self.positions.push(position);
-        let size = [a, b, c].iter().map(|&v| self.sizes[v as usize]).sum::<f64>() / 3.0;
-        self.sizes.push(size);
-        let (t2, t3) = (self.triangles.len() as u32, self.triangles.len() as u32 + 1);
-        self.relink(bc, t, t2, b, c);
-        self.relink(ca, t, t3, c, a);
-        self.triangles[t as usize] = [a, b, m];
-        self.across[t as usize] = [self.across[t as usize][0], t2, t3];
-        self.triangles.push([b, c, m]);
-        self.across.push([bc, t3, t]);
-        self.triangles.push([c, a, m]);
-        self.across.push([ca, t, t2]);
-        self.at.push(t);
-        for (v, tri) in [(a, t), (b, t), (c, t2)] {
             self.at[v as usize] = tri;
         }
         m
@@ -253,19 +232,19 @@ impl Patch {
                 vertex_number[v] = count;
                 self.positions[count as usize] = self.positions[v];
                 self.sizes[count as usize] = self.sizes[v];
+                self.offsets[count as usize] = self.offsets[v];
                 self.at[count as usize] = self.at[v];
                 count += 1;
             }
         }
         self.positions.truncate(count as usize);
         self.sizes.truncate(count as usize);
+        self.offsets.truncate(count as usize);
         self.at.truncate(count as usize);
         let number = |t: u32| if t == NONE { NONE } else { tri_number[t as usize] };
         self.at.iter_mut().for_each(|t| *t = number(*t));
-        self.triangles = keep
-            .iter()
-            .map(|&t| self.triangles[t].map(|v| vertex_number[v as usize]))
-            .collect();
+        self.triangles =
+            keep.iter().map(|&t| self.triangles[t].map(|v| vertex_number[v as usize])).collect();
         self.across = keep.iter().map(|&t| self.across[t].map(number)).collect();
     }
 }

@@ -4,8 +4,6 @@
 //! Differences from the paper:
 //! - The size is a field, carried in from the rim, not one number.
 //! - Flips aim at Delaunay triangles, not at valence six: cotangent weights stay positive.
-//! - While the fill is still flat between its rims, relaxation is a plain average (the fill is
-//!   only the domain of the fairing then); afterwards vertices move in their tangent planes only.
 
 use super::patch::{next, previous, Patch, NONE};
 use glam::DVec3;
@@ -17,28 +15,20 @@ const SPLIT: f64 = 4.0 / 3.0;
 const COLLAPSE: f64 = 0.6;
 /// Flips passes at most; a pass without a flip ends them earlier.
 const FLIP_PASSES: usize = 12;
-/// Least cosine between the two faces after a flip, unless it was worse before: a flip must not
-/// fold the surface.
-const FLIP_BEND: f64 = 0.5;
+/// Least cosine between the two faces after a flip (20°), unless it was worse before. A coarse
+/// triangulation's folds are its shape: Delaunay flips across them turn a ridge into a pit.
+const FLIP_BEND: f64 = 0.94;
 /// New vertices of one hole at most: 2³¹ indices are shared by all; beyond this the wanted length
 /// is surely a mistake.
 const MOST_VERTICES: usize = 40_000_000;
-
-/// How vertices move between the passes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Relax {
-    /// To the average of the neighbours.
-    Freely,
-    /// The same, projected to the tangent plane.
-    InTangentPlane,
-}
 
 /// Edges that the fill must not have, since the input has them already: pairs (smaller, larger)
 /// of rim vertices, sorted.
 pub type Taken<'a> = &'a [(u32, u32)];
 
-/// Brings the patch to its sizes. `rounds` of all passes; compacts at the end.
-pub fn refine(patch: &mut Patch, taken: Taken<'_>, relax: Relax, rounds: usize) -> bool {
+/// Brings the patch to its sizes by up to `rounds` of all passes, then compacts it. False if the
+/// sizes ask for more vertices than can be had.
+pub fn refine(patch: &mut Patch, taken: Taken<'_>, rounds: usize) -> bool {
     for round in 0..rounds {
         let changed = split_long(patch);
         flip_to_delaunay(patch, taken);
@@ -49,7 +39,7 @@ pub fn refine(patch: &mut Patch, taken: Taken<'_>, relax: Relax, rounds: usize) 
         if collapsed {
             flip_to_delaunay(patch, taken);
         }
-        relax_positions(patch, relax, if round == 0 { 6 } else { 3 });
+        relax_positions(patch, if round == 0 { 6 } else { 3 });
         if round > 0 && !changed && !collapsed {
             break;
         }
@@ -240,7 +230,8 @@ fn can_collapse(
     common == 2
 }
 
-fn relax_positions(patch: &mut Patch, relax: Relax, sweeps: usize) {
+/// Half the way to the average of the neighbours, in the tangent plane.
+fn relax_positions(patch: &mut Patch, sweeps: usize) {
     let mut fan = Vec::new();
     for _ in 0..sweeps {
         for v in patch.rim_count as u32..patch.positions.len() as u32 {
@@ -253,12 +244,9 @@ fn relax_positions(patch: &mut Patch, relax: Relax, sweeps: usize) {
                 sum += patch.p(patch.triangles[t as usize][next(k)]);
                 normal += patch.area_normal(t as usize);
             }
-            let mut step = sum / fan.len() as f64 - patch.p(v);
-            if relax == Relax::InTangentPlane {
-                let n = normal.normalize_or_zero();
-                step = 0.5 * (step - n * n.dot(step));
-            }
-            patch.positions[v as usize] += step;
+            let step = sum / fan.len() as f64 - patch.p(v);
+            let n = normal.normalize_or_zero();
+            patch.positions[v as usize] += 0.5 * (step - n * n.dot(step));
         }
     }
 }
@@ -286,22 +274,21 @@ pub fn split_taken(patch: &mut Patch, taken: Taken<'_>) {
             bad.extend(same.iter().map(|e| (e.2, e.3 as u32)));
         }
     }
-    let ends: Vec<(u32, u32, u32)> = bad
+    let ends: Vec<(u32, u32)> = bad
         .iter()
         .map(|&(t, k)| {
             let tri = patch.triangles[t as usize];
-            (t, tri[k as usize], tri[next(k as usize)])
+            (tri[k as usize], tri[next(k as usize)])
         })
         .collect();
-    for (t, a, b) in ends {
+    let mut fan = Vec::new();
+    for (a, b) in ends {
         // The triangle may have been cut by an earlier split: one of its parts keeps the edge.
-        let mut fan = Vec::new();
         patch.fan(a, &mut fan);
         let found = fan.iter().copied().find(|&(s, k)| {
             let tri = patch.triangles[s as usize];
             tri[next(k)] == b && patch.across[s as usize][k] != NONE
         });
-        let _ = t;
         if let Some((s, k)) = found {
             let middle = 0.5 * (patch.p(a) + patch.p(b));
             patch.split(s, k, middle);

@@ -108,8 +108,7 @@ impl Sheet {
     pub fn new(patch: &Patch, band: &Band, near: &Neighbourhood) -> Self {
         let (rim, new) = (patch.rim_count, patch.positions.len() - patch.rim_count);
         let mut positions = patch.positions.clone();
-        positions
-            .extend(band.vertices[rim..].iter().map(|&v| near.positions[v as usize]));
+        positions.extend(band.vertices[rim..].iter().map(|&v| near.positions[v as usize]));
         let number = |v: u32| if (v as usize) < rim { v } else { v + new as u32 };
         let mut triangles: Vec<[u32; 3]> = patch.triangles.clone();
         triangles.extend(band.faces.iter().map(|f| f.map(number)));
@@ -198,11 +197,9 @@ impl Laplacian {
             for same in row.chunk_by(|x, y| x.0 == y.0) {
                 let w = match weights {
                     Weights::Uniform => 1.0,
-                    Weights::Cotangent => same
-                        .iter()
-                        .map(|e| e.1)
-                        .sum::<f64>()
-                        .clamp(WEIGHT_RANGE.0, WEIGHT_RANGE.1),
+                    Weights::Cotangent => {
+                        same.iter().map(|e| e.1).sum::<f64>().clamp(WEIGHT_RANGE.0, WEIGHT_RANGE.1)
+                    }
                 };
                 l.to.push(same[0].0);
                 l.weight.push(w);

@@ -1,0 +1,153 @@
+//! The contract's last word: a fill is rounded as the caller will see it, then tested exactly
+//! against itself, the mesh and the other fills, and repaired where it meets them.
+
+use super::smooth::Surroundings;
+use crate::fill::patch::Patch;
+use crate::intersect::{degenerate_faces, find_intersections};
+use crate::mesh::neighbourhood::{Bounds, Neighbourhood};
+use crate::mesh::MeshView;
+use crate::progress::Monitor;
+use glam::DVec3;
+
+/// Rounds of smoothing around the faces that meet others; most need one or two, and what twelve
+/// do not mend is wrong at a larger scale.
+const REPAIRS: usize = 12;
+
+/// The precision in which the caller gets the new vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rounding {
+    /// f32.
+    Single,
+    /// f64: nothing to do.
+    Double,
+}
+
+impl Rounding {
+    /// The nearest position the caller can have.
+    pub fn apply(self, p: DVec3) -> DVec3 {
+        match self {
+            Rounding::Single => p.as_vec3().as_dvec3(),
+            Rounding::Double => p,
+        }
+    }
+}
+
+/// What a fill must not meet, beside the mesh near its hole.
+pub struct Obstacles<'a> {
+    /// The whole mesh, for fills that leave the neighbourhood.
+    pub mesh: MeshView<'a>,
+    /// The boxes that the neighbourhood covers.
+    pub covered: &'a [Bounds],
+    /// Triangles of other fills.
+    pub others: &'a [[DVec3; 3]],
+}
+
+impl Obstacles<'_> {
+    /// Rounds a patch, tests it, repairs it; says why when that fails.
+    pub fn settle(
+        &self,
+        around: &Surroundings<'_>,
+        mut patch: Patch,
+    ) -> std::result::Result<Patch, String> {
+        for round in 0..=REPAIRS {
+            let rim = patch.rim_count;
+            for p in &mut patch.positions[rim..] {
+                *p = around.rounding.apply(*p);
+            }
+            let bad = self.bad_faces(around, &patch)?;
+            if bad.is_empty() {
+                return Ok(patch);
+            }
+            if round == REPAIRS || patch.positions.len() == rim {
+                let [a, b, c] = patch.triangles[bad[0] as usize].map(|v| patch.p(v));
+                let at = (a + b + c) / 3.0;
+                let (x, y, z) = (at.x, at.y, at.z);
+                return Err(format!(
+                    "{} faces of its fill meet others, the first near ({x:.6}, {y:.6}, {z:.6})",
+                    bad.len()
+                ));
+            }
+            smooth_around(&mut patch, &bad, 2 + round / 4);
+        }
+        Err("its fill could not be repaired".into())
+    }
+
+    /// Whether a settled patch meets the other fills.
+    pub fn meets(&self, around: &Surroundings<'_>, patch: &Patch) -> bool {
+        self.bad_faces(around, patch).map_or(true, |bad| !bad.is_empty())
+    }
+
+    /// Faces of the patch that have no area or meet something.
+    fn bad_faces(
+        &self,
+        around: &Surroundings<'_>,
+        patch: &Patch,
+    ) -> std::result::Result<Vec<u32>, String> {
+        let box_of_fill = Bounds::of(patch.positions.iter().copied());
+        let fresh;
+        let near = if self.covered.iter().any(|b| b.contains(&box_of_fill)) {
+            around.near
+        } else {
+            fresh = Neighbourhood::gather(self.mesh, &[box_of_fill], &Monitor::silent())
+                .map_err(|e| e.to_string())?;
+            &fresh
+        };
+        let mut positions = near.positions.clone();
+        let mut faces: Vec<[u32; 3]> = near
+            .faces
+            .iter()
+            .copied()
+            .filter(|f| {
+                let corners = f.map(|v| near.positions[v as usize]);
+                Bounds::of(corners).overlaps(&box_of_fill)
+            })
+            .collect();
+        for triangle in self.others {
+            if Bounds::of(*triangle).overlaps(&box_of_fill) {
+                let first = positions.len() as u32;
+                positions.extend_from_slice(triangle);
+                faces.push([first, first + 1, first + 2]);
+            }
+        }
+        let fill_start = faces.len();
+        let first = positions.len() as u32;
+        positions.extend_from_slice(&patch.positions);
+        faces.extend(patch.triangles.iter().map(|t| t.map(|v| v + first)));
+        let mut bad: Vec<u32> = degenerate_faces(&positions, &faces, fill_start);
+        for [a, b] in find_intersections(&positions, &faces, fill_start) {
+            bad.push(a);
+            bad.push(b);
+        }
+        bad.retain(|&f| f as usize >= fill_start);
+        bad.iter_mut().for_each(|f| *f -= fill_start as u32);
+        bad.sort_unstable();
+        bad.dedup();
+        Ok(bad)
+    }
+}
+
+/// Moves the new vertices within `rings` of the faces given to the average of their neighbours.
+fn smooth_around(patch: &mut Patch, faces: &[u32], rings: usize) {
+    let mut chosen = vec![false; patch.positions.len()];
+    faces.iter().flat_map(|&f| patch.triangles[f as usize]).for_each(|v| chosen[v as usize] = true);
+    for _ in 0..rings {
+        let before = chosen.clone();
+        for tri in &patch.triangles {
+            if tri.iter().any(|&v| before[v as usize]) {
+                tri.iter().for_each(|&v| chosen[v as usize] = true);
+            }
+        }
+    }
+    let mut fan = Vec::new();
+    for _ in 0..3 {
+        for v in patch.rim_count..patch.positions.len() {
+            if !chosen[v] {
+                continue;
+            }
+            patch.fan(v as u32, &mut fan);
+            let sum: DVec3 =
+                fan.iter().map(|&(t, k)| patch.p(patch.triangles[t as usize][(k + 1) % 3])).sum();
+            patch.positions[v] = 0.5 * (patch.positions[v] + sum / fan.len() as f64);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Holes side by side on a few threads, progress on the caller's own.
+//!
+//! Plain threads and a counter: each hole is worked on by one thread alone and its result goes
+//! to its own place, so the thread count cannot change a bit of it. rayon would call the
+//! progress function from its workers, and a host's callback must come from the calling thread.
+
+use crate::error::Result;
+use crate::progress::Monitor;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::Duration;
+
+/// Name of the worker threads, by which the C ABI knows their panics from the host's.
+pub(crate) const WORKER: &str = "complete-mesh";
+
+/// Holes from which on a second thread pays: starting one costs as much as a small fill.
+const FEW: usize = 4;
+/// How long the calling thread waits between two looks at the progress function.
+const BEAT: Duration = Duration::from_millis(25);
+/// The part of the whole call's progress that the holes are.
+const SPAN: (f64, f64) = (0.1, 0.95);
+
+/// Does jobs 0 to `count` and returns their results in order. A job calls its `check` with the
+/// fraction it has done.
+pub fn run<T: Send>(
+    count: usize,
+    threads: usize,
+    monitor: &Monitor,
+    job: &(dyn Fn(usize, &dyn Fn(f64) -> Result<()>) -> Result<T> + Sync),
+) -> Result<Vec<T>> {
+    let fraction = |done: f64| SPAN.0 + (SPAN.1 - SPAN.0) * done / count.max(1) as f64;
+    let available = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let threads = if threads == 0 { available } else { threads };
+    let threads = threads.min(count / FEW * 2).max(1);
+    if threads == 1 {
+        return (0..count)
+            .map(|i| job(i, &|part| monitor.step(fraction(i as f64 + part), "filling")))
+            .collect();
+    }
+    let next = AtomicUsize::new(0);
+    let (send, receive) = mpsc::channel();
+    let mut results: Vec<Option<Result<T>>> = (0..count).map(|_| None).collect();
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            let (send, next) = (send.clone(), &next);
+            let work = move || loop {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                if i >= count || monitor.is_cancelled() {
+                    break;
+                }
+                if send.send((i, job(i, &|_| monitor.check()))).is_err() {
+                    break;
+                }
+            };
+            let named = std::thread::Builder::new().name(WORKER.into());
+            // Without a thread the others do the work; without any it is done here below.
+            let _ = named.spawn_scoped(scope, work);
+        }
+        drop(send);
+        let mut done = 0.0;
+        loop {
+            match receive.recv_timeout(BEAT) {
+                Ok((i, result)) => {
+                    results[i] = Some(result);
+                    done += 1.0;
+                }
+                Err(mpsc::RecvTimeoutError::Timeout) => {}
+                Err(mpsc::RecvTimeoutError::Disconnected) => break,
+            }
+            // A wish to stop reaches the workers through the monitor.
+            let _ = monitor.step(fraction(done), "filling");
+        }
+    });
+    monitor.check()?;
+    let missing = |i: usize| job(i, &|_| monitor.check());
+    let all = results.into_iter().enumerate();
+    all.map(|(i, result)| result.unwrap_or_else(|| missing(i))).collect()
+}
