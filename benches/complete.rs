@@ -1,0 +1,63 @@
+//! Cost of the library call: fills of broken samples at two resolutions, and the search for the
+//! holes alone on a large mesh.
+//!
+//! `cargo bench --bench complete`; how to read it is in `benches/README.md`.
+
+#![allow(missing_docs)] // what the macros of criterion make
+
+use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
+use complete_mesh::{complete_mesh_with, find_holes, Grouping, HoleStatus, Monitor, Options};
+use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
+use std::hint::black_box;
+use std::time::Duration;
+
+/// A disc with sharp features around it, a smooth one, a missing band, five discs in one mesh.
+const CASES: [(Sample, Break); 4] = [
+    (Sample::Column, Break::Ragged),
+    (Sample::Vessel, Break::Disc),
+    (Sample::Leg, Break::Ring),
+    (Sample::Torus, Break::Several),
+];
+/// Edges along the longest side. Twice as many are four times the mesh and four times the fill.
+const RESOLUTIONS: [usize; 2] = [150, 300];
+/// For the search: 1.2 million faces.
+const LARGE: usize = 600;
+
+fn broken(sample: Sample, kind: Break, resolution: usize) -> SampleMesh {
+    let whole = sample.build(resolution).expect("the resolution is in range");
+    let options = BreakOptions { kind, seed: 1, size: 1.0 };
+    break_mesh(sample, &whole, &options).expect("the size is in range").mesh
+}
+
+fn fill(c: &mut Criterion) {
+    let mut group = c.benchmark_group("fill");
+    group.sample_size(20).measurement_time(Duration::from_secs(4));
+    // One thread: criterion measures wall time, and a second thread would hide work.
+    let options = Options { threads: 1, ..Options::default() };
+    for (sample, kind) in CASES {
+        for resolution in RESOLUTIONS {
+            let mesh = broken(sample, kind, resolution);
+            let run = || complete_mesh_with(mesh.view(), &options, &Monitor::silent());
+            let once = run().expect("the sample can be filled");
+            assert!(once.holes.iter().all(|h| h.status == HoleStatus::Filled));
+            let name = format!("{} {}", sample.name(), kind.name());
+            group.throughput(Throughput::Elements(once.faces.len() as u64));
+            group.bench_function(BenchmarkId::new(name, resolution), |b| b.iter(run));
+        }
+    }
+    group.finish();
+}
+
+fn search(c: &mut Criterion) {
+    let mut group = c.benchmark_group("find_holes");
+    group.sample_size(20).measurement_time(Duration::from_secs(4));
+    let mesh = broken(Sample::Column, Break::Several, LARGE);
+    group.throughput(Throughput::Elements(mesh.faces.len() as u64));
+    group.bench_function(BenchmarkId::new("column several", LARGE), |b| {
+        b.iter(|| find_holes(black_box(mesh.view()), &Grouping::Automatic, &Monitor::silent()));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, fill, search);
+criterion_main!(benches);
