@@ -19,6 +19,7 @@ use cpu_time::ProcessTime;
 use glam::DVec3;
 use smooth::{fill_hole, Fill, Surroundings};
 use std::time::{Duration, Instant};
+#[cfg(feature = "capi")]
 pub(crate) use workers::WORKER;
 
 /// How far around its rim a hole's neighbourhood reaches, in diameters: a fill seldom bulges

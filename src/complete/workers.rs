@@ -6,6 +6,7 @@
 
 use crate::error::Result;
 use crate::progress::Monitor;
+use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::Duration;
@@ -20,13 +21,18 @@ const BEAT: Duration = Duration::from_millis(25);
 /// The part of the whole call's progress that the holes are.
 const SPAN: (f64, f64) = (0.1, 0.95);
 
+/// What is done with each hole: called with its number and with what it has to call now and then.
+pub type Job<'a, T> = &'a (dyn Fn(usize, Check<'_>) -> Result<T> + Sync);
+/// Called with the fraction of the job done; fails when the work shall stop.
+pub type Check<'a> = &'a dyn Fn(f64) -> Result<()>;
+
 /// Does jobs 0 to `count` and returns their results in order. A job calls its `check` with the
 /// fraction it has done.
 pub fn run<T: Send>(
     count: usize,
     threads: usize,
     monitor: &Monitor,
-    job: &(dyn Fn(usize, &dyn Fn(f64) -> Result<()>) -> Result<T> + Sync),
+    job: Job<'_, T>,
 ) -> Result<Vec<T>> {
     let fraction = |done: f64| SPAN.0 + (SPAN.1 - SPAN.0) * done / count.max(1) as f64;
     let available = std::thread::available_parallelism().map_or(1, |n| n.get());
@@ -40,6 +46,7 @@ pub fn run<T: Send>(
     let next = AtomicUsize::new(0);
     let (send, receive) = mpsc::channel();
     let mut results: Vec<Option<Result<T>>> = (0..count).map(|_| None).collect();
+    let mut panic = None;
     std::thread::scope(|scope| {
         for _ in 0..threads {
             let (send, next) = (send.clone(), &next);
@@ -48,7 +55,9 @@ pub fn run<T: Send>(
                 if i >= count || monitor.is_cancelled() {
                     break;
                 }
-                if send.send((i, job(i, &|_| monitor.check()))).is_err() {
+                // Nothing outside is half changed by a job that panics: it only reads.
+                let result = catch_unwind(AssertUnwindSafe(|| job(i, &|_| monitor.check())));
+                if send.send((i, result)).is_err() {
                     break;
                 }
             };
@@ -60,9 +69,13 @@ pub fn run<T: Send>(
         let mut done = 0.0;
         loop {
             match receive.recv_timeout(BEAT) {
-                Ok((i, result)) => {
+                Ok((i, Ok(result))) => {
                     results[i] = Some(result);
                     done += 1.0;
+                }
+                Ok((_, Err(payload))) => {
+                    monitor.cancel();
+                    panic = Some(payload);
                 }
                 Err(mpsc::RecvTimeoutError::Timeout) => {}
                 Err(mpsc::RecvTimeoutError::Disconnected) => break,
@@ -71,8 +84,37 @@ pub fn run<T: Send>(
             let _ = monitor.step(fraction(done), "filling");
         }
     });
+    if let Some(payload) = panic {
+        // On the caller's thread, where the C ABI catches it with its message.
+        resume_unwind(payload);
+    }
     monitor.check()?;
     let missing = |i: usize| job(i, &|_| monitor.check());
     let all = results.into_iter().enumerate();
     all.map(|(i, result)| result.unwrap_or_else(|| missing(i))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_come_in_order_on_any_number_of_threads() {
+        for threads in 0..5 {
+            let squares = run(50, threads, &Monitor::silent(), &|i, _| Ok(i * i)).unwrap();
+            assert_eq!(squares, (0..50).map(|i| i * i).collect::<Vec<_>>());
+        }
+    }
+
+    /// A scope alone would say "a scoped thread panicked", which nobody can act on.
+    #[test]
+    fn a_panic_in_a_worker_arrives_with_its_message() {
+        let job = |i: usize, _: Check<'_>| match i {
+            7 => panic!("job {i}"),
+            _ => Ok(i),
+        };
+        let caught = catch_unwind(|| run(9, 2, &Monitor::silent(), &job));
+        let payload = caught.unwrap_err();
+        assert_eq!(payload.downcast_ref::<String>().unwrap(), "job 7");
+    }
 }

@@ -9,7 +9,7 @@ static void ball_face(struct ball *ball, int *n, int a, int b, int c) {
   ++*n;
 }
 
-void make_ball(struct ball *ball) {
+void make_ball(struct ball *ball, int patches) {
   int n = 0, ring, i;
   const int south = VERTICES - 1;
   for (ring = 0; ring < RINGS; ++ring) {
@@ -26,7 +26,7 @@ void make_ball(struct ball *ball) {
     for (i = 0; i < AROUND; ++i) {
       const int a = ring * AROUND + i, b = ring * AROUND + (i + 1) % AROUND;
       const int row = ring + CAP - PATCH_ROW;
-      if (row >= 0 && row < PATCH_SIZE && i < PATCH_SIZE) continue;
+      if (row >= 0 && row < PATCH_SIZE && i % (AROUND / patches) < PATCH_SIZE) continue;
       ball_face(ball, &n, a, a + AROUND, b);
       ball_face(ball, &n, b, a + AROUND, b + AROUND);
     }

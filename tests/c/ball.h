@@ -1,5 +1,5 @@
-/* A unit sphere with two holes whose measures are known in closed form: the cap at the north pole
- * and a patch at the equator. The sphere itself says where new vertices have to be. */
+/* A unit sphere with holes: the cap at the north pole, whose measures are known in closed form, and
+ * one or more patches along the equator. The sphere itself says where new vertices have to be. */
 #ifndef BALL_H
 #define BALL_H
 
@@ -11,14 +11,17 @@
 
 /* For the memory check, which runs some fifty times slower. */
 #ifdef SMALL_BALL
-enum { AROUND = 12, STACKS = 8, CAP = 2, PATCH_ROW = 3, PATCH_SIZE = 2 };
+enum { AROUND = 12, STACKS = 8, CAP = 2, PATCH_ROW = 3, PATCH_SIZE = 2, MANY = 4 };
 #else
-enum { AROUND = 32, STACKS = 24, CAP = 4, PATCH_ROW = 11, PATCH_SIZE = 3 };
+enum { AROUND = 32, STACKS = 24, CAP = 4, PATCH_ROW = 11, PATCH_SIZE = 3, MANY = 8 };
 #endif
 enum {
   RINGS = STACKS - CAP, /* rings at CAP, CAP + 1, ..., STACKS - 1 of STACKS */
   VERTICES = RINGS * AROUND + 1,
-  FACES = 2 * (RINGS - 1) * AROUND + AROUND - 2 * PATCH_SIZE * PATCH_SIZE,
+  PATCH_FACES = 2 * PATCH_SIZE * PATCH_SIZE,
+  /* with one patch, and with many: enough holes for several threads to share */
+  FACES = 2 * (RINGS - 1) * AROUND + AROUND - PATCH_FACES,
+  SIEVE_FACES = FACES - (MANY - 1) * PATCH_FACES,
   CAP_EDGES = AROUND,
   PATCH_EDGES = 4 * PATCH_SIZE
 };
@@ -34,7 +37,8 @@ double ball_angle(int ring);
 /* Length of one edge of the cap's rim, of its polygon and not of the circle. */
 double cap_edge(void);
 
-/* The vertices inside the patch stay in the array, named by no face: they must come back, too. */
-void make_ball(struct ball *ball);
+/* With 1 patch or MANY. The vertices inside a patch stay in the array, named by no face: they must
+ * come back, too. */
+void make_ball(struct ball *ball, int patches);
 
 #endif

@@ -30,12 +30,12 @@ static int behaved(const struct progress *p) {
   return !p->wrong_thread && !p->went_back && !p->no_stage;
 }
 
-static void cancel_complete(uint32_t threads) {
+static void cancel_complete(void) {
   complete_mesh_options opts = defaults();
   complete_mesh_status status;
   struct progress p;
   int at, total;
-  opts.threads = threads;
+  opts.threads = 1;
   watch(&opts, &p, 0);
   complete_mesh_result_free(complete_ball(&opts, NULL));
   total = p.calls;
@@ -55,32 +55,71 @@ static void cancel_complete(uint32_t threads) {
   CHECK(status == COMPLETE_MESH_STATUS_OK && p.calls == total);
 }
 
+/* Several threads: how often the caller is asked depends on their speed. */
+static void cancel_threads(void) {
+  complete_mesh_options opts = defaults();
+  complete_mesh_status status = COMPLETE_MESH_STATUS_CANCELLED;
+  struct progress p;
+  int at;
+  opts.threads = 2;
+  for (at = 1; status == COMPLETE_MESH_STATUS_CANCELLED && at < 1000; ++at) {
+    complete_mesh_result *result;
+    watch(&opts, &p, at);
+    result = complete_sieve(&opts, &status);
+    CHECK(behaved(&p) && (status == COMPLETE_MESH_STATUS_CANCELLED) == (p.calls == at));
+    complete_mesh_result_free(result);
+  }
+  CHECK(status == COMPLETE_MESH_STATUS_OK && at > 4);
+}
+
 /* Looking for holes may report only once or twice: cancel until it gets through. */
 static void cancel_find_holes(void) {
   complete_mesh_options opts = defaults();
-  complete_mesh_status status = COMPLETE_MESH_STATUS_CANCELLED, same;
+  complete_mesh_status status = COMPLETE_MESH_STATUS_CANCELLED;
   complete_mesh_holes *holes = NULL;
-  complete_mesh_completer *completer = NULL;
   struct progress p;
   int at;
   for (at = 1; status == COMPLETE_MESH_STATUS_CANCELLED && at < 1000; ++at) {
     watch(&opts, &p, at);
     status = complete_mesh_find_holes(ball.vertices, VERTICES, ball.faces[0], FACES, &opts, &holes);
     CHECK((status == COMPLETE_MESH_STATUS_OK) == (holes != NULL) && behaved(&p));
-    watch(&opts, &p, at);
-    same = complete_mesh_completer_new(ball.vertices, VERTICES, ball.faces[0], FACES, &opts,
-                                       &completer);
-    CHECK(same == status && (same == COMPLETE_MESH_STATUS_OK) == (completer != NULL));
   }
   CHECK(status == COMPLETE_MESH_STATUS_OK && at > 2);
   complete_mesh_holes_free(holes);
+}
+
+static void cancel_completer(void) {
+  complete_mesh_options opts = defaults();
+  complete_mesh_status status = COMPLETE_MESH_STATUS_CANCELLED;
+  complete_mesh_completer *completer = NULL;
+  complete_mesh_result *result = NULL;
+  struct progress p;
+  int at;
+  for (at = 1; status == COMPLETE_MESH_STATUS_CANCELLED && at < 1000; ++at) {
+    watch(&opts, &p, at);
+    status = complete_mesh_completer_new(ball.vertices, VERTICES, ball.faces[0], FACES, &opts,
+                                         &completer);
+    CHECK((status == COMPLETE_MESH_STATUS_OK) == (completer != NULL) && behaved(&p));
+  }
+  CHECK(status == COMPLETE_MESH_STATUS_OK && at > 2);
+  /* a cancelled fill leaves the completer as good as it was */
+  for (at = 1, status = COMPLETE_MESH_STATUS_CANCELLED;
+       status == COMPLETE_MESH_STATUS_CANCELLED && at < 1000; ++at) {
+    watch(&opts, &p, at);
+    status = complete_mesh_completer_complete(completer, &opts, &result);
+    CHECK((status == COMPLETE_MESH_STATUS_OK) == (result != NULL) && behaved(&p));
+  }
+  CHECK(status == COMPLETE_MESH_STATUS_OK && at > 2);
+  CHECK(complete_mesh_result_filled_count(result) == 2);
+  complete_mesh_result_free(result);
   complete_mesh_completer_free(completer);
 }
 
 void test_cancel(void) {
-  cancel_complete(1);
-  cancel_complete(2);
+  cancel_complete();
+  cancel_threads();
   cancel_find_holes();
+  cancel_completer();
 }
 
 #ifdef COMPLETE_MESH_TEST_PANIC
@@ -107,6 +146,15 @@ void test_panic(void) {
     CHECK(status == COMPLETE_MESH_STATUS_INTERNAL && after == NULL);
     CHECK(strstr(complete_mesh_last_error_message(), "panic on demand") != NULL);
   }
+  /* beside workers that go on for a moment */
+  opts = defaults();
+  opts.threads = 2;
+  for (at = 1, status = COMPLETE_MESH_STATUS_INTERNAL;
+       status == COMPLETE_MESH_STATUS_INTERNAL && at < 1000; ++at) {
+    complete_mesh_test_panic_at((uint32_t)at);
+    complete_mesh_result_free(complete_sieve(&opts, &status));
+  }
+  CHECK(status == COMPLETE_MESH_STATUS_OK && at > 4);
   complete_mesh_test_panic_at(1);
   CHECK(complete_mesh_find_holes(ball.vertices, VERTICES, ball.faces[0], FACES, NULL, &holes) ==
         COMPLETE_MESH_STATUS_INTERNAL);

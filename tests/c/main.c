@@ -2,7 +2,7 @@
 #include <stdlib.h>
 
 int checks_passed, checks_failed;
-struct ball ball;
+struct ball ball, sieve;
 
 int check_at(int ok, const char *what, const char *file, int line) {
   if (ok) {
@@ -21,15 +21,26 @@ complete_mesh_options defaults(void) {
   return opts;
 }
 
-complete_mesh_result *complete_ball(const complete_mesh_options *opts,
-                                    complete_mesh_status *status) {
+static complete_mesh_result *complete(const struct ball *mesh, size_t faces,
+                                      const complete_mesh_options *opts,
+                                      complete_mesh_status *status) {
   complete_mesh_result *result = NULL;
   const complete_mesh_status got =
-      complete_mesh(ball.vertices, VERTICES, ball.faces[0], FACES, opts, &result);
+      complete_mesh(mesh->vertices, VERTICES, mesh->faces[0], faces, opts, &result);
   if (status) *status = got;
   else CHECK(got == COMPLETE_MESH_STATUS_OK);
   CHECK((got == COMPLETE_MESH_STATUS_OK) == (result != NULL));
   return result;
+}
+
+complete_mesh_result *complete_ball(const complete_mesh_options *opts,
+                                    complete_mesh_status *status) {
+  return complete(&ball, FACES, opts, status);
+}
+
+complete_mesh_result *complete_sieve(const complete_mesh_options *opts,
+                                     complete_mesh_status *status) {
+  return complete(&sieve, SIEVE_FACES, opts, status);
 }
 
 complete_mesh_hole get_hole(const complete_mesh_holes *holes, size_t id) {
@@ -42,7 +53,8 @@ complete_mesh_hole get_hole(const complete_mesh_holes *holes, size_t id) {
 /* With the word "memory", only the tests that valgrind can find more in. */
 int main(int argc, char **argv) {
   const int memory_only = argc > 1 && strcmp(argv[1], "memory") == 0;
-  make_ball(&ball);
+  make_ball(&ball, 1);
+  make_ball(&sieve, MANY);
   test_null();
   test_enums();
   test_options_size();

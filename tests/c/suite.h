@@ -19,15 +19,18 @@ void test_cancel(void);
 void test_threads(void);
 void test_panic(void);
 
-/* Made once by main. */
-extern struct ball ball;
+/* Made once by main: with two holes, and with MANY + 1. */
+extern struct ball ball, sieve;
 
 /* Options at their defaults. */
 complete_mesh_options defaults(void);
 
-/* complete_mesh of the ball; NULL on failure, with the status in *status unless that is NULL. */
+/* complete_mesh of the ball, and of the sieve; NULL on failure, with the status in *status unless that is NULL. */
 complete_mesh_result *complete_ball(const complete_mesh_options *opts,
                                     complete_mesh_status *status);
+
+complete_mesh_result *complete_sieve(const complete_mesh_options *opts,
+                                     complete_mesh_status *status);
 
 /* A hole of a list; all zero if there is none. */
 complete_mesh_hole get_hole(const complete_mesh_holes *holes, size_t id);

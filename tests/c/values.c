@@ -205,17 +205,21 @@ static void *run_job(void *user) {
   /* one failure and one success each: the messages must not mix */
   complete_mesh(NULL, 100 + job->threads, ball.faces[0], FACES, NULL, &job->result);
   snprintf(job->message, sizeof job->message, "%s", complete_mesh_last_error_message());
-  complete_mesh(ball.vertices, VERTICES, ball.faces[0], FACES, &opts, &job->result);
+  complete_mesh(sieve.vertices, VERTICES, sieve.faces[0], SIEVE_FACES, &opts, &job->result);
   return NULL;
 }
 
-/* Four calls at once, with 0 to 3 threads each: all give the bytes of a lone one. */
+/* Four calls at once, with 0 to 3 threads each: all give the bytes of a lone one of one thread. */
 void test_threads(void) {
-  complete_mesh_result *alone = complete_ball(NULL, NULL);
+  complete_mesh_options opts = defaults();
+  complete_mesh_result *alone;
   pthread_t threads[4];
   struct job jobs[4];
   char number[16];
   int i;
+  opts.threads = 1;
+  alone = complete_sieve(&opts, NULL);
+  CHECK(complete_mesh_result_filled_count(alone) == MANY + 1);
   for (i = 0; i < 4; ++i) {
     memset(&jobs[i], 0, sizeof jobs[i]);
     jobs[i].threads = (uint32_t)i;
