@@ -254,7 +254,7 @@ fn assemble_triharmonic(
 ) -> System {
     let mut system = System::new(free.len());
     let n = sheet.positions.len();
-    let mut column = Column { values: [vec![0.0; n], vec![0.0; n]], used: [vec![], vec![]] };
+    let mut column = Column::new(n);
     for &v in free {
         column.unit(v);
         column.multiply(l, |i| sheet.is_complete(i));
@@ -263,8 +263,8 @@ fn assemble_triharmonic(
         column.divide(&l.mass);
         column.multiply(l, |_| true);
         let mut rhs = DVec3::ZERO;
-        for &k in &column.used[0] {
-            let value = scale * column.values[0][k];
+        for &k in &column.from.entries {
+            let value = scale * column.from.values[k];
             match number[k] {
                 u32::MAX => rhs -= value * sheet.positions[k],
                 j => system.add(j as usize, value),
@@ -281,62 +281,84 @@ fn assemble_triharmonic(
 
 /// A column of a product of Laplacians: a sparse vector, multiplied again and again.
 struct Column {
-    values: [Vec<f64>; 2],
-    used: [Vec<usize>; 2],
+    from: Sparse,
+    to: Sparse,
+}
+
+/// A vector of zeros but for the entries listed.
+struct Sparse {
+    values: Vec<f64>,
+    listed: Vec<bool>,
+    entries: Vec<usize>,
+}
+
+impl Sparse {
+    fn new(n: usize) -> Self {
+        Self { values: vec![0.0; n], listed: vec![false; n], entries: Vec::new() }
+    }
+    fn clear(&mut self) {
+        for &i in &self.entries {
+            self.values[i] = 0.0;
+            self.listed[i] = false;
+        }
+        self.entries.clear();
+    }
+    #[inline]
+    fn add(&mut self, i: usize, x: f64) {
+        if !self.listed[i] {
+            self.listed[i] = true;
+            self.entries.push(i);
+        }
+        self.values[i] += x;
+    }
 }
 
 impl Column {
-    fn unit(&mut self, v: usize) {
-        self.clear(0);
-        self.values[0][v] = 1.0;
-        self.used[0].push(v);
+    fn new(n: usize) -> Self {
+        Self { from: Sparse::new(n), to: Sparse::new(n) }
     }
-    fn clear(&mut self, side: usize) {
-        for &i in &self.used[side] {
-            self.values[side][i] = 0.0;
-        }
-        self.used[side].clear();
+    fn unit(&mut self, v: usize) {
+        self.from.clear();
+        self.from.add(v, 1.0);
     }
     fn divide(&mut self, mass: &[f64]) {
-        self.used[0].iter().for_each(|&i| self.values[0][i] /= mass[i]);
+        let from = &mut self.from;
+        from.entries.iter().for_each(|&i| from.values[i] /= mass[i]);
     }
     /// x ← L x at the rows allowed.
     fn multiply(&mut self, l: &Laplacian, allowed: impl Fn(usize) -> bool) {
-        self.spread(l, |_, i| allowed(i), |j| l.diagonal[j]);
+        self.to.clear();
+        for &j in &self.from.entries {
+            let x = self.from.values[j];
+            if allowed(j) {
+                self.to.add(j, l.diagonal[j] * x);
+            }
+            for (i, w) in l.row(j) {
+                if allowed(i) {
+                    self.to.add(i, -w * x);
+                }
+            }
+        }
+        std::mem::swap(&mut self.from, &mut self.to);
     }
     /// The same with the Laplacian of the edges both of whose ends are allowed.
     fn multiply_inside(&mut self, l: &Laplacian, allowed: impl Fn(usize) -> bool) {
-        let diagonal =
-            |j: usize| l.row(j).filter(|&(i, _)| allowed(i)).map(|(_, w)| w).sum::<f64>();
-        self.spread(l, |j, i| allowed(j) && allowed(i), diagonal);
-    }
-    fn spread(
-        &mut self,
-        l: &Laplacian,
-        allowed: impl Fn(usize, usize) -> bool,
-        diagonal: impl Fn(usize) -> f64,
-    ) {
-        self.clear(1);
-        let ([from, to], [used, fresh]) = (&mut self.values, &mut self.used);
-        let mut add = |i: usize, x: f64| {
-            if to[i] == 0.0 {
-                fresh.push(i);
+        self.to.clear();
+        for &j in &self.from.entries {
+            if !allowed(j) {
+                continue;
             }
-            to[i] += x;
-        };
-        for &j in used.iter() {
-            if allowed(j, j) {
-                add(j, diagonal(j) * from[j]);
+            let x = self.from.values[j];
+            let mut diagonal = 0.0;
+            for (i, w) in l.row(j) {
+                if allowed(i) {
+                    diagonal += w;
+                    self.to.add(i, -w * x);
+                }
             }
-            for (i, w) in l.row(j).filter(|&(i, _)| allowed(j, i)) {
-                add(i, -w * from[j]);
-            }
+            self.to.add(j, diagonal * x);
         }
-        // A value may have passed through zero and been noted twice.
-        fresh.sort_unstable();
-        fresh.dedup();
-        self.values.swap(0, 1);
-        self.used.swap(0, 1);
+        std::mem::swap(&mut self.from, &mut self.to);
     }
 }
 

@@ -55,27 +55,26 @@ pub struct Band {
 impl Band {
     /// Grows `rings` rings of faces around the rim.
     pub fn grow(near: &Neighbourhood, incidence: &Incidence, rim: &[u32], rings: usize) -> Self {
-        let mut number = std::collections::HashMap::new();
-        rim.iter().enumerate().for_each(|(i, &v)| {
-            number.insert(v, i as u32);
-        });
+        let mut number = vec![NONE; near.positions.len()];
+        rim.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
         let mut band = Band { vertices: rim.to_vec(), ring_ends: vec![rim.len()], faces: vec![] };
-        let mut taken = std::collections::HashSet::new();
+        let mut taken = vec![false; near.faces.len()];
         let mut begin = 0;
         for _ in 0..rings {
             let end = band.vertices.len();
             for i in begin..end {
                 for &f in incidence.faces(band.vertices[i]) {
-                    if !taken.insert(f) {
+                    if std::mem::replace(&mut taken[f as usize], true) {
                         continue;
                     }
-                    let face = near.faces[f as usize].map(|v| {
-                        *number.entry(v).or_insert_with(|| {
+                    let face = near.faces[f as usize];
+                    for v in face {
+                        if number[v as usize] == NONE {
+                            number[v as usize] = band.vertices.len() as u32;
                             band.vertices.push(v);
-                            band.vertices.len() as u32 - 1
-                        })
-                    });
-                    band.faces.push(face);
+                        }
+                    }
+                    band.faces.push(face.map(|v| number[v as usize]));
                 }
             }
             begin = end;

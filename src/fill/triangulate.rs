@@ -143,6 +143,34 @@ fn nearest_pairs(points: &[DVec3], mut f: impl FnMut(usize, usize)) {
     }
 }
 
+/// The chords by their second corner: (first corner, weight, chord), ascending, filled from the
+/// end as the first corners descend. Walking a column is what the time goes into.
+struct Columns {
+    start: Vec<usize>,
+    of: Vec<(u32, f64, u32)>,
+    /// First filled place of each column.
+    open: Vec<usize>,
+}
+
+impl Columns {
+    fn new(chords: &Chords, n: usize) -> Self {
+        let mut start = vec![0; n + 1];
+        chords.to.iter().for_each(|&j| start[j as usize + 1] += 1);
+        for j in 0..n {
+            start[j + 1] += start[j];
+        }
+        let open = start[1..].to_vec();
+        Self { of: vec![(0, f64::INFINITY, 0); chords.to.len()], start, open }
+    }
+    fn end(&self, j: usize) -> usize {
+        self.start[j + 1]
+    }
+    fn put(&mut self, i: usize, j: u32, weight: f64, chord: usize) {
+        self.open[j as usize] -= 1;
+        self.of[self.open[j as usize]] = (i as u32, weight, chord as u32);
+    }
+}
+
 /// The least weight of the part of the polygon behind each chord, and the corner that gives it.
 struct Weights {
     apex: Vec<u32>,
@@ -159,6 +187,8 @@ impl Weights {
         let mut weight = vec![f64::INFINITY; chords.to.len()];
         let mut normal = vec![DVec3::ZERO; chords.to.len()];
         let mut apex = vec![NONE; chords.to.len()];
+        let mut columns = Columns::new(chords, n);
+        let mut parts: Vec<(f64, u32, usize, usize)> = Vec::new();
         // Descending i, ascending j: the parts of a chord come before it.
         for i in (0..n).rev() {
             let row = chords.row(i);
@@ -170,22 +200,48 @@ impl Weights {
                     if let Beyond::Face(face) = polygon.beyond[i] {
                         normal[chord] = face;
                     }
+                    columns.put(i, j, 0.0, chord);
                     continue;
                 }
-                for (left, &k) in row[..at].iter().enumerate() {
-                    let Some(right) = chords.find(k as usize, j) else { continue };
-                    let parts = weight[base + left] + weight[right];
-                    if parts >= weight[chord] || polygon.corners[i] == polygon.corners[j as usize] {
+                // Row i and column j, both ascending: where they meet, k makes a triangle.
+                let column = &columns.of[columns.open[j as usize]..columns.end(j as usize)];
+                let mut left = 0;
+                parts.clear();
+                for &(k, right_weight, right) in column {
+                    while left < at && row[left] < k {
+                        left += 1;
+                    }
+                    if left == at {
+                        break;
+                    }
+                    if row[left] == k {
+                        let sum = weight[base + left] + right_weight;
+                        if sum < f64::INFINITY {
+                            parts.push((sum, k, base + left, right as usize));
+                        }
+                    }
+                }
+                // The apex with the cheapest parts first: its total rules most others out unseen.
+                if let Some(cheapest) = (0..parts.len())
+                    .min_by(|&x, &y| parts[x].0.total_cmp(&parts[y].0).then(x.cmp(&y)))
+                {
+                    parts.swap(0, cheapest);
+                }
+                let (a, c) = (points[i], points[j as usize]);
+                let own = EDGE_WEIGHT * a.distance_squared(c);
+                for &(sum, k, left, right) in &parts {
+                    if sum + own >= weight[chord] {
                         continue;
                     }
-                    let (a, b, c) = (points[i], points[k as usize], points[j as usize]);
+                    let b = points[k as usize];
                     let cross = (b - a).cross(c - a);
                     let area2 = cross.length();
+                    let mut total = sum + own + 0.5 * area2;
+                    if total >= weight[chord] {
+                        continue;
+                    }
                     let unit = if area2 > 0.0 { cross / area2 } else { DVec3::ZERO };
-                    let mut total = parts
-                        + 0.5 * area2
-                        + EDGE_WEIGHT * a.distance_squared(c)
-                        + fold(unit, normal[base + left], a.distance_squared(b))
+                    total += fold(unit, normal[left], a.distance_squared(b))
                         + fold(unit, normal[right], b.distance_squared(c));
                     if i == 0 && j as usize == n - 1 {
                         if let Beyond::Face(face) = polygon.beyond[n - 1] {
@@ -198,6 +254,7 @@ impl Weights {
                         apex[chord] = k;
                     }
                 }
+                columns.put(i, j, weight[chord], chord);
             }
         }
         Self { apex }
