@@ -100,7 +100,7 @@ pub enum Selection {
     MaxCircumference(f64),
     /// Holes that fit into this diameter, in mesh units.
     MaxDiameter(f64),
-    /// All but the hole with the greatest circumference: an open scan's own border.
+    /// All but the hole with the longest loop: an open scan's own border.
     AllButLargest,
     /// The one hole whose rim passes nearest to this point, in mesh units.
     NearPoint([f64; 3]),

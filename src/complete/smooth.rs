@@ -152,7 +152,7 @@ fn auto(
     let hidden = ((HIDDEN_SHARE * radius / edge).round() as usize).max(1);
     let band = Band::grow(near, incidence, &outline.vertices, hidden + 2);
     let sheet = Sheet::new(&patch, &band, near);
-    let Some(prediction) = predict_hidden(&sheet, hidden) else {
+    let Some(prediction) = predict_hidden(&sheet, hidden, edge) else {
         return failed("the fairing's system is not positive definite");
     };
     check(0.5)?;
@@ -175,10 +175,16 @@ fn auto(
         return failed("its wanted edge length asks for too many vertices");
     }
     let sheet = Sheet::new(&patch, &band, near);
-    let Some(thin) = fair(&sheet, Plate::Thin, edge) else {
+    // In full the curvature is worth a solution of its own.
+    let whole = prediction.share == 1.0;
+    let plate = if whole { Plate::Triharmonic } else { Plate::Thin };
+    let Some(fine) = fair(&sheet, plate, edge) else {
         return failed("the fairing's system is not positive definite");
     };
-    place(&mut patch, &thin);
+    place(&mut patch, &fine);
+    if whole {
+        return Ok(Ok(patch));
+    }
     let rim = patch.rim_count;
     for v in rim..patch.positions.len() {
         let offset = patch.offsets[v];

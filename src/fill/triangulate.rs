@@ -19,10 +19,10 @@ const NEAREST: usize = 10;
 /// Neighbours along the polygon tried on each level.
 const ALONG: usize = 4;
 /// With this many corners or fewer all chords are tried: the hierarchy misses the ridge across a
-/// broken edge, and 200³/6 triangles take some 20 ms.
-const ALL_PAIRS: usize = 200;
+/// broken edge, and 300³/6 triangles take some 20 ms.
+const ALL_PAIRS: usize = 300;
 /// The same for the coarsest level of a hierarchy.
-const ALL_PAIRS_COARSE: usize = 64;
+const ALL_PAIRS_COARSE: usize = 200;
 /// Weight of squared edge lengths against area: breaks the ties of flat rims towards short edges.
 const EDGE_WEIGHT: f64 = 0.02;
 /// Weight of a right-angled fold, times its length and the hole's radius, against area. Measured

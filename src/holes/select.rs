@@ -27,9 +27,11 @@ pub fn select_holes(
         Selection::MaxCircumference(l) => each(&|h| h.circumference <= *l),
         Selection::MaxDiameter(d) => each(&|h| h.diameter <= *d),
         Selection::AllButLargest => {
+            // By its longest loop: islands do not make a gap larger than the scan's own border.
+            let length = |h: &super::Hole| list.loops[h.loops[0]].length;
             let largest = holes
                 .iter()
-                .max_by(|a, b| a.circumference.total_cmp(&b.circumference).then(b.id.cmp(&a.id)))
+                .max_by(|a, b| length(a).total_cmp(&length(b)).then(b.id.cmp(&a.id)))
                 .map(|h| h.id);
             each(&|h| Some(h.id) != largest)
         }
