@@ -9,9 +9,13 @@ use crate::mesh::MeshView;
 use crate::progress::Monitor;
 use glam::DVec3;
 
-/// Rounds of smoothing around the faces that meet others; most need one or two, and what twelve
+/// Rounds of smoothing around the faces that meet others; most need one or two, and what eight
 /// do not mend is wrong at a larger scale.
-const REPAIRS: usize = 12;
+const REPAIRS: usize = 8;
+
+/// Repair is for local trouble: with more than a fiftieth of the faces (and 60 more, for small fills)
+/// involved, another surface is tried at once.
+const LOCAL: usize = 50;
 
 /// The precision in which the caller gets the new vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +62,8 @@ impl Obstacles<'_> {
             if bad.is_empty() {
                 return Ok(patch);
             }
-            if round == REPAIRS || patch.positions.len() == rim {
+            let hopeless = bad.len() > patch.triangles.len() / LOCAL + 60;
+            if round == REPAIRS || hopeless || patch.positions.len() == rim {
                 let [a, b, c] = patch.triangles[bad[0] as usize].map(|v| patch.p(v));
                 let at = (a + b + c) / 3.0;
                 let (x, y, z) = (at.x, at.y, at.z);

@@ -14,7 +14,7 @@ use crate::fill::patch::Patch;
 use crate::fill::polygon::join_loops;
 use crate::fill::refine::{refine, split_taken};
 use crate::fill::sheet::{Band, Incidence, Sheet};
-use crate::fill::triangulate::triangulate;
+use crate::fill::triangulate::{triangulate, COARSEST};
 use crate::mesh::neighbourhood::Neighbourhood;
 use crate::options::{Fairing, Sizing};
 use glam::DVec3;
@@ -70,29 +70,30 @@ pub fn fill_hole(
         Sizing::Surroundings | Sizing::None => {}
     }
     let polygon = join_loops(&outline.positions, &outline.rims);
-    let Some(coarse) = triangulate(&outline.positions, &outline.sizes, &polygon) else {
-        return Ok(Err("its rim has no triangulation".into()));
-    };
-    check(0.2)?;
     let attempts = match (around.fairing, around.sizing) {
         (Fairing::Auto, Sizing::None) => vec![Fairing::None],
         (Fairing::Auto, _) => vec![Fairing::Auto, Fairing::C1, Fairing::C0, Fairing::None],
         (one, _) => vec![one],
     };
-    let mut reason = String::new();
-    for attempt in attempts {
-        let made = match make(around, &outline, coarse.clone(), attempt, check)? {
-            Ok(patch) => obstacles.settle(around, patch),
-            Err(reason) => Err(reason),
-        };
-        check(0.95)?;
-        match made {
-            Ok(patch) => {
-                // The blend is a thin plate with a share of curvature.
-                let fairing = if attempt == Fairing::Auto { Fairing::C1 } else { attempt };
-                return Ok(Ok(Fill { outline, patch, fairing }));
+    let mut reason = String::from("its rim has no triangulation");
+    for coarsest in COARSEST {
+        let first = triangulate(&outline.positions, &outline.sizes, &polygon, coarsest);
+        let Some(first) = first else { continue };
+        check(0.2)?;
+        for &attempt in &attempts {
+            let made = match make(around, &outline, first.clone(), attempt, check)? {
+                Ok(patch) => obstacles.settle(around, patch),
+                Err(reason) => Err(reason),
+            };
+            check(0.95)?;
+            match made {
+                Ok(patch) => {
+                    // The blend is a thin plate with a share of curvature.
+                    let fairing = if attempt == Fairing::Auto { Fairing::C1 } else { attempt };
+                    return Ok(Ok(Fill { outline, patch, fairing }));
+                }
+                Err(why) => reason = why,
             }
-            Err(why) => reason = why,
         }
     }
     Ok(Err(reason))

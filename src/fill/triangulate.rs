@@ -21,8 +21,9 @@ const ALONG: usize = 4;
 /// With this many corners or fewer all chords are tried: the hierarchy misses the ridge across a
 /// broken edge, and 300³/6 triangles take some 20 ms.
 const ALL_PAIRS: usize = 300;
-/// The same for the coarsest level of a hierarchy.
-const ALL_PAIRS_COARSE: usize = 200;
+/// The same for the coarsest level of a hierarchy, in the order in which they are worth trying:
+/// fewer chords keep closer to the rim, which helps where a wall lies close behind it.
+pub const COARSEST: [usize; 2] = [200, 64];
 /// Weight of squared edge lengths against area: breaks the ties of flat rims towards short edges.
 const EDGE_WEIGHT: f64 = 0.02;
 /// Weight of a right-angled fold, times its length and the hole's radius, against area. Measured
@@ -33,13 +34,18 @@ const FOLD_WEIGHT: f64 = 3.0;
 const FOLD_BACK: f64 = 4.0;
 
 /// Triangulates a polygon over patch vertices; the result has no new vertices. `None` if no
-/// triangulation was found (too few corners that differ).
-pub fn triangulate(positions: &[DVec3], sizes: &[f64], polygon: &Polygon) -> Option<Patch> {
+/// triangulation was found (too few corners that differ). `coarsest`: see [`COARSEST`].
+pub fn triangulate(
+    positions: &[DVec3],
+    sizes: &[f64],
+    polygon: &Polygon,
+    coarsest: usize,
+) -> Option<Patch> {
     let n = polygon.corners.len();
     if n < 3 {
         return None;
     }
-    let chords = Chords::new(positions, polygon);
+    let chords = Chords::new(positions, polygon, coarsest);
     let triangles = Weights::minimise(positions, polygon, &chords).triangles(&chords, n);
     (triangles.len() == n - 2).then(|| build_patch(positions, sizes, polygon, &triangles))
 }
@@ -51,7 +57,7 @@ struct Chords {
 }
 
 impl Chords {
-    fn new(positions: &[DVec3], polygon: &Polygon) -> Self {
+    fn new(positions: &[DVec3], polygon: &Polygon, coarsest: usize) -> Self {
         let n = polygon.corners.len();
         let point = |i: usize| positions[polygon.corners[i] as usize];
         let mut pairs: Vec<(u32, u32)> = Vec::new();
@@ -62,7 +68,15 @@ impl Chords {
                 level.push(n - 1);
             }
             let m = level.len();
-            if m <= if step == 1 { ALL_PAIRS } else { ALL_PAIRS_COARSE } {
+            if m <= if step == 1 {
+                if coarsest == COARSEST[0] {
+                    ALL_PAIRS
+                } else {
+                    coarsest
+                }
+            } else {
+                coarsest
+            } {
                 for a in 0..m {
                     pairs.extend((a + 1..m).map(|b| (level[a] as u32, level[b] as u32)));
                 }
