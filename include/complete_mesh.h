@@ -174,7 +174,7 @@ typedef enum complete_mesh_hole_kind {
 
 // What became of a hole.
 typedef enum complete_mesh_hole_status {
-  // Found and measured; nothing was to be filled.
+  // Found and measured, and selected; nothing was to be filled.
   COMPLETE_MESH_HOLE_STATUS_OPEN = 0,
   // Filled.
   COMPLETE_MESH_HOLE_STATUS_FILLED = 1,
@@ -358,8 +358,8 @@ enum complete_mesh_status complete_mesh(const void *vertices,
 // Finds and measures the holes of a mesh and fills nothing.
 //
 // vertices, vertex_count, faces, face_count: as for complete_mesh.
-// opts: only vertex_type, the strides, grouping and progress count, but all are checked; NULL for
-// the defaults.
+// opts: vertex_type, the strides, grouping, selection and progress count, but all are checked; NULL
+// for the defaults. Holes outside the selection are listed as COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED.
 // holes: receives the new list, to be freed with complete_mesh_holes_free; NULL on failure.
 //
 // Returns COMPLETE_MESH_STATUS_OK or what was wrong. May be called by any number of threads at
@@ -640,8 +640,8 @@ enum complete_mesh_status complete_mesh(const void *vertices,
 // Finds and measures the holes of a mesh and fills nothing.
 //
 // vertices, vertex_count, faces, face_count: as for complete_mesh.
-// opts: only vertex_type, the strides, grouping and progress count, but all are checked; NULL for
-// the defaults.
+// opts: vertex_type, the strides, grouping, selection and progress count, but all are checked; NULL
+// for the defaults. Holes outside the selection are listed as COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED.
 // holes: receives the new list, to be freed with complete_mesh_holes_free; NULL on failure.
 //
 // Returns COMPLETE_MESH_STATUS_OK or what was wrong. May be called by any number of threads at

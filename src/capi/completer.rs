@@ -9,6 +9,7 @@ use super::progress::with_monitor;
 use super::result::MeshResult;
 use crate::complete::Completer;
 use crate::holes::find_holes;
+use crate::holes::select::select_holes;
 use std::ffi::c_void;
 
 /// A mesh whose holes are known, for filling them more than once with different options. Opaque;
@@ -106,8 +107,8 @@ pub unsafe extern "C" fn complete_mesh(
 /// Finds and measures the holes of a mesh and fills nothing.
 ///
 /// vertices, vertex_count, faces, face_count: as for complete_mesh.
-/// opts: only vertex_type, the strides, grouping and progress count, but all are checked; NULL for
-/// the defaults.
+/// opts: vertex_type, the strides, grouping, selection and progress count, but all are checked; NULL
+/// for the defaults. Holes outside the selection are listed as COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED.
 /// holes: receives the new list, to be freed with complete_mesh_holes_free; NULL on failure.
 ///
 /// Returns COMPLETE_MESH_STATUS_OK or what was wrong. May be called by any number of threads at
@@ -133,7 +134,10 @@ pub unsafe extern "C" fn complete_mesh_find_holes(
         // SAFETY: as above.
         let input = unsafe { Input::new(vertices, vertex_count, faces, face_count, &opts) }?;
         let found = with_monitor(&opts, |monitor| {
-            Ok(Holes::new(&find_holes(input.view, &options.grouping, monitor)?, &[]))
+            let list = find_holes(input.view, &options.grouping, monitor)?;
+            let mut holes = Holes::new(&list, &[]);
+            holes.mark_selected(&select_holes(input.view, &list, &options.selection)?);
+            Ok(holes)
         })?;
         // SAFETY: `empty` has written there.
         unsafe { give(holes, found) };

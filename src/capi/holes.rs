@@ -25,7 +25,7 @@ pub enum CHoleKind {
 /// What became of a hole.
 #[repr(C)]
 pub enum CHoleStatus {
-    /// Found and measured; nothing was to be filled.
+    /// Found and measured, and selected; nothing was to be filled.
     Open = 0,
     /// Filled.
     Filled = 1,
@@ -171,6 +171,13 @@ impl Holes {
             inconsistent_edges: flat(&list.inconsistent_edges),
             degenerate_faces: list.degenerate_faces.clone(),
             duplicate_vertices: flat(&list.duplicate_boundary_vertices),
+        }
+    }
+
+    /// Says of a list that nothing was filled of which holes a selection leaves out.
+    pub(super) fn mark_selected(&mut self, selected: &[bool]) {
+        for (entry, _) in self.entries.iter_mut().zip(selected).filter(|(_, &wanted)| !wanted) {
+            entry.info.status = CHoleStatus::NotSelected as u32;
         }
     }
 

@@ -96,11 +96,19 @@ void test_holes(void) {
   odd_mesh();
 }
 
-/* Fills what the options select and expects one hole, or none for 2. */
+/* Lists and fills what the options select and expects one hole, or none for 2. */
 static void expect_only(const complete_mesh_options *opts, size_t id) {
   complete_mesh_result *result = complete_ball(opts, NULL);
   const complete_mesh_holes *holes = complete_mesh_result_holes(result);
+  complete_mesh_holes *listed = NULL;
   size_t i;
+  CHECK(complete_mesh_find_holes(ball.vertices, VERTICES, ball.faces[0], FACES, opts, &listed) ==
+        COMPLETE_MESH_STATUS_OK);
+  for (i = 0; i < 2; ++i) {
+    CHECK(get_hole(listed, i).status == (i == id ? COMPLETE_MESH_HOLE_STATUS_OPEN
+                                                 : COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED));
+  }
+  complete_mesh_holes_free(listed);
   for (i = 0; i < 2; ++i) {
     CHECK(get_hole(holes, i).status == (i == id ? COMPLETE_MESH_HOLE_STATUS_FILLED
                                                 : COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED));
