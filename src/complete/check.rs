@@ -53,12 +53,15 @@ impl Obstacles<'_> {
         around: &Surroundings<'_>,
         mut patch: Patch,
     ) -> std::result::Result<Patch, String> {
+        let rim = patch.rim_count;
+        let round_off = |patch: &mut Patch| {
+            patch.positions[rim..].iter_mut().for_each(|p| *p = around.rounding.apply(*p));
+        };
+        round_off(&mut patch);
+        // Repair averages, so it never leaves the box of the first test.
+        let known = self.triangles_near(around, &patch)?;
         for round in 0..=REPAIRS {
-            let rim = patch.rim_count;
-            for p in &mut patch.positions[rim..] {
-                *p = around.rounding.apply(*p);
-            }
-            let bad = self.bad_faces(around, &patch)?;
+            let bad = bad_faces(&known, &patch);
             if bad.is_empty() {
                 return Ok(patch);
             }
@@ -73,21 +76,23 @@ impl Obstacles<'_> {
                 ));
             }
             smooth_around(&mut patch, &bad, 2 + round / 4);
+            round_off(&mut patch);
         }
         Err("its fill could not be repaired".into())
     }
 
     /// Whether a settled patch meets the other fills.
     pub fn meets(&self, around: &Surroundings<'_>, patch: &Patch) -> bool {
-        self.bad_faces(around, patch).map_or(true, |bad| !bad.is_empty())
+        self.triangles_near(around, patch)
+            .map_or(true, |known| !bad_faces(&known, patch).is_empty())
     }
 
-    /// Faces of the patch that have no area or meet something.
-    fn bad_faces(
+    /// Triangles of the mesh and of the other fills whose box meets that of the patch.
+    fn triangles_near(
         &self,
         around: &Surroundings<'_>,
         patch: &Patch,
-    ) -> std::result::Result<Vec<u32>, String> {
+    ) -> std::result::Result<Vec<[DVec3; 3]>, String> {
         let box_of_fill = Bounds::of(patch.positions.iter().copied());
         let fresh;
         let near = if self.covered.iter().any(|b| b.contains(&box_of_fill)) {
@@ -97,38 +102,28 @@ impl Obstacles<'_> {
                 .map_err(|e| e.to_string())?;
             &fresh
         };
-        let mut positions = near.positions.clone();
-        let mut faces: Vec<[u32; 3]> = near
-            .faces
-            .iter()
-            .copied()
-            .filter(|f| {
-                let corners = f.map(|v| near.positions[v as usize]);
-                Bounds::of(corners).overlaps(&box_of_fill)
-            })
-            .collect();
-        for triangle in self.others {
-            if Bounds::of(*triangle).overlaps(&box_of_fill) {
-                let first = positions.len() as u32;
-                positions.extend_from_slice(triangle);
-                faces.push([first, first + 1, first + 2]);
-            }
-        }
-        let fill_start = faces.len();
-        let first = positions.len() as u32;
-        positions.extend_from_slice(&patch.positions);
-        faces.extend(patch.triangles.iter().map(|t| t.map(|v| v + first)));
-        let mut bad: Vec<u32> = degenerate_faces(&positions, &faces, fill_start);
-        for [a, b] in find_intersections(&positions, &faces, fill_start) {
-            bad.push(a);
-            bad.push(b);
-        }
-        bad.retain(|&f| f as usize >= fill_start);
-        bad.iter_mut().for_each(|f| *f -= fill_start as u32);
-        bad.sort_unstable();
-        bad.dedup();
-        Ok(bad)
+        let mesh = near.faces.iter().map(|f| f.map(|v| near.positions[v as usize]));
+        let all = mesh.chain(self.others.iter().copied());
+        Ok(all.filter(|t| Bounds::of(*t).overlaps(&box_of_fill)).collect())
     }
+}
+
+/// Faces of the patch that have no area or meet one another or a known triangle. Shared vertices
+/// are told by their positions, so the known triangles need no common numbering.
+fn bad_faces(known: &[[DVec3; 3]], patch: &Patch) -> Vec<u32> {
+    let mut positions = known.concat();
+    let mut faces: Vec<[u32; 3]> =
+        (0..known.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let (fill_start, first) = (faces.len(), positions.len() as u32);
+    positions.extend_from_slice(&patch.positions);
+    faces.extend(patch.triangles.iter().map(|t| t.map(|v| v + first)));
+    let mut bad = degenerate_faces(&positions, &faces, fill_start);
+    bad.extend(find_intersections(&positions, &faces, fill_start).into_iter().flatten());
+    bad.retain(|&f| f as usize >= fill_start);
+    bad.iter_mut().for_each(|f| *f -= fill_start as u32);
+    bad.sort_unstable();
+    bad.dedup();
+    bad
 }
 
 /// Moves the new vertices within `rings` of the faces given to the average of their neighbours.

@@ -4,7 +4,8 @@
 //! surface (C2) both predict the rim and a few rings that are hidden from them; the blend that
 //! predicts best is kept. On the fine fill the thin plate is solved again and the difference
 //! that the blend made is added. Should the result meet itself or the mesh and resist repair,
-//! the membrane is tried, then the plain refined triangulation.
+//! the thin plate, the membrane and the plain refined triangulation are tried in turn, and then
+//! all of them from a coarser triangulation.
 
 use super::check::{Obstacles, Rounding};
 use crate::error::Result;
@@ -14,7 +15,7 @@ use crate::fill::patch::Patch;
 use crate::fill::polygon::join_loops;
 use crate::fill::refine::{refine, split_taken};
 use crate::fill::sheet::{Band, Incidence, Sheet};
-use crate::fill::triangulate::{triangulate, COARSEST};
+use crate::fill::triangulate::{triangulate, ALL_PAIRS};
 use crate::mesh::neighbourhood::Neighbourhood;
 use crate::options::{Fairing, Sizing};
 use glam::DVec3;
@@ -76,8 +77,12 @@ pub fn fill_hole(
         (one, _) => vec![one],
     };
     let mut reason = String::from("its rim has no triangulation");
-    for coarsest in COARSEST {
-        let first = triangulate(&outline.positions, &outline.sizes, &polygon, coarsest);
+    for (round, all_pairs) in ALL_PAIRS.into_iter().enumerate() {
+        // A small polygon has all its chords the first time already.
+        if round > 0 && all_pairs.holds(&polygon) {
+            break;
+        }
+        let first = triangulate(&outline.positions, &outline.sizes, &polygon, all_pairs);
         let Some(first) = first else { continue };
         check(0.2)?;
         for &attempt in &attempts {
@@ -99,6 +104,10 @@ pub fn fill_hole(
     Ok(Err(reason))
 }
 
+/// Why an attempt fails before its check.
+const TOO_MANY: &str = "its wanted edge length asks for too many vertices";
+const NO_FACTOR: &str = "the fairing's system is not positive definite";
+
 /// One attempt: refined and faired, not yet checked.
 fn make(
     around: &Surroundings<'_>,
@@ -107,8 +116,6 @@ fn make(
     fairing: Fairing,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Patch, String>> {
-    const TOO_MANY: &str = "its wanted edge length asks for too many vertices";
-    const NO_FACTOR: &str = "the fairing's system is not positive definite";
     if around.sizing == Sizing::None {
         split_taken(&mut patch, &outline.taken);
         patch.compact();
@@ -140,21 +147,21 @@ fn auto(
     mut patch: Patch,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Patch, String>> {
-    let failed = |why: &str| Ok(Err(why.to_string()));
     let (near, incidence) = (around.near, around.incidence);
     let edge = outline.mean_size();
     let radius = outline.radius();
     let coarse = if radius > SMALL * edge { COARSE } else { 1.0 };
-    // New vertices inherit from the rim, so the coarse size is set after the first splits.
+    // New vertices inherit their wanted length from the rim's.
     patch.sizes.iter_mut().for_each(|s| *s *= coarse);
     if !refine(&mut patch, &outline.taken, 3) {
-        return failed("its wanted edge length asks for too many vertices");
+        return Ok(Err(TOO_MANY.into()));
     }
+    check(0.3)?;
     let hidden = ((HIDDEN_SHARE * radius / edge).round() as usize).max(1);
     let band = Band::grow(near, incidence, &outline.vertices, hidden + 2);
     let sheet = Sheet::new(&patch, &band, near);
     let Some(prediction) = predict_hidden(&sheet, hidden, edge) else {
-        return failed("the fairing's system is not positive definite");
+        return Ok(Err(NO_FACTOR.into()));
     };
     check(0.5)?;
     place(&mut patch, &prediction.positions);
@@ -173,14 +180,15 @@ fn auto(
     }
     patch.sizes.iter_mut().for_each(|s| *s /= coarse);
     if !refine(&mut patch, &outline.taken, 3) {
-        return failed("its wanted edge length asks for too many vertices");
+        return Ok(Err(TOO_MANY.into()));
     }
+    check(0.6)?;
     let sheet = Sheet::new(&patch, &band, near);
     // In full the curvature is worth a solution of its own.
     let whole = prediction.share == 1.0;
     let plate = if whole { Plate::Triharmonic } else { Plate::Thin };
     let Some(fine) = fair(&sheet, plate, edge) else {
-        return failed("the fairing's system is not positive definite");
+        return Ok(Err(NO_FACTOR.into()));
     };
     place(&mut patch, &fine);
     if whole {

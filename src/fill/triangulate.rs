@@ -4,7 +4,7 @@
 //! - The weight is a sum (area, squared edge lengths, dihedral angles), not the pair (largest
 //!   dihedral angle, area): the largest angle says little on ragged rims.
 //! - Not cubic in the rim. Chords are only tried between corners that are near each other, on a
-//!   hierarchy of levels, level l holding every 2^l-th corner: O(n log n) chords. A triangulation
+//!   hierarchy of levels, level l holding every 2^l-th corner: O(n) chords. A triangulation
 //!   always exists among them, since neighbours on each level are always tried.
 //! - Several loops: the polygon runs over bridges ([`super::polygon`]), which are glued here.
 
@@ -18,12 +18,28 @@ use std::collections::HashMap;
 const NEAREST: usize = 10;
 /// Neighbours along the polygon tried on each level.
 const ALONG: usize = 4;
-/// With this many corners or fewer all chords are tried: the hierarchy misses the ridge across a
-/// broken edge, and 300³/6 triangles take some 20 ms.
-const ALL_PAIRS: usize = 300;
-/// The same for the coarsest level of a hierarchy, in the order in which they are worth trying:
-/// fewer chords keep closer to the rim, which helps where a wall lies close behind it.
-pub const COARSEST: [usize; 2] = [200, 64];
+/// With how many corners or fewer all chords are tried.
+#[derive(Debug, Clone, Copy)]
+pub struct AllPairs {
+    /// On the polygon itself.
+    whole: usize,
+    /// On the coarsest level of a hierarchy.
+    coarsest: usize,
+}
+
+/// In the order in which they are worth trying. Full: the hierarchy misses the ridge across a
+/// broken edge, and 300³/6 triangles take some 20 ms. Then sparse: fewer chords keep closer to the
+/// rim, which helps where a wall lies close behind it.
+pub const ALL_PAIRS: [AllPairs; 2] =
+    [AllPairs { whole: 300, coarsest: 200 }, AllPairs { whole: 64, coarsest: 64 }];
+
+impl AllPairs {
+    /// Whether a polygon is small enough for all its chords.
+    pub fn holds(self, polygon: &Polygon) -> bool {
+        polygon.corners.len() <= self.whole
+    }
+}
+
 /// Weight of squared edge lengths against area: breaks the ties of flat rims towards short edges.
 const EDGE_WEIGHT: f64 = 0.02;
 /// Weight of a right-angled fold, times its length and the hole's radius, against area. Measured
@@ -34,18 +50,18 @@ const FOLD_WEIGHT: f64 = 3.0;
 const FOLD_BACK: f64 = 4.0;
 
 /// Triangulates a polygon over patch vertices; the result has no new vertices. `None` if no
-/// triangulation was found (too few corners that differ). `coarsest`: see [`COARSEST`].
+/// triangulation was found (too few corners that differ).
 pub fn triangulate(
     positions: &[DVec3],
     sizes: &[f64],
     polygon: &Polygon,
-    coarsest: usize,
+    all_pairs: AllPairs,
 ) -> Option<Patch> {
     let n = polygon.corners.len();
     if n < 3 {
         return None;
     }
-    let chords = Chords::new(positions, polygon, coarsest);
+    let chords = Chords::new(positions, polygon, all_pairs);
     let triangles = Weights::minimise(positions, polygon, &chords).triangles(&chords, n);
     (triangles.len() == n - 2).then(|| build_patch(positions, sizes, polygon, &triangles))
 }
@@ -57,7 +73,7 @@ struct Chords {
 }
 
 impl Chords {
-    fn new(positions: &[DVec3], polygon: &Polygon, coarsest: usize) -> Self {
+    fn new(positions: &[DVec3], polygon: &Polygon, all_pairs: AllPairs) -> Self {
         let n = polygon.corners.len();
         let point = |i: usize| positions[polygon.corners[i] as usize];
         let mut pairs: Vec<(u32, u32)> = Vec::new();
@@ -68,15 +84,7 @@ impl Chords {
                 level.push(n - 1);
             }
             let m = level.len();
-            if m <= if step == 1 {
-                if coarsest == COARSEST[0] {
-                    ALL_PAIRS
-                } else {
-                    coarsest
-                }
-            } else {
-                coarsest
-            } {
+            if m <= if step == 1 { all_pairs.whole } else { all_pairs.coarsest } {
                 for a in 0..m {
                     pairs.extend((a + 1..m).map(|b| (level[a] as u32, level[b] as u32)));
                 }
@@ -112,11 +120,6 @@ impl Chords {
     }
 
     fn find(&self, i: usize, j: u32) -> Option<usize> {
-        // With all chords present the place is known.
-        let place = (j as usize).wrapping_sub(i + 1);
-        if self.row(i).get(place) == Some(&j) {
-            return Some(self.start[i] + place);
-        }
         self.row(i).binary_search(&j).ok().map(|k| self.start[i] + k)
     }
 }
