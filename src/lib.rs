@@ -31,6 +31,7 @@ pub mod holes;
 pub mod intersect;
 #[cfg(feature = "io")]
 pub mod io;
+pub mod matching;
 pub mod mesh;
 pub mod options;
 pub mod progress;

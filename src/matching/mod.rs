@@ -1,0 +1,3 @@
+//! Where on the object something like the surroundings of a hole is found, and how it is laid there.
+
+pub mod rigid;
