@@ -26,8 +26,8 @@ const HIDDEN_SHARE: f64 = 0.1;
 /// Wanted edge length of the coarse fill, in fine ones: the choice needs the low frequencies only,
 /// and 2, 3 and 4 choose equally well.
 const COARSE: f64 = 4.0;
-/// Holes with less radius than this many edges have no coarser fill worth the name.
-const SMALL: f64 = 12.0;
+/// Least radius of the coarse fill, in its own edges.
+const COARSE_RADIUS: f64 = 3.0;
 /// Smoothing length of the smoothed plate, in hole radii; and its band.
 const SMOOTHING: f64 = 0.1;
 const SOFT_BAND: f64 = 0.4;
@@ -150,7 +150,7 @@ fn auto(
     let (near, incidence) = (around.near, around.incidence);
     let edge = outline.mean_size();
     let radius = outline.radius();
-    let coarse = if radius > SMALL * edge { COARSE } else { 1.0 };
+    let coarse = (radius / (COARSE_RADIUS * edge)).clamp(1.0, COARSE);
     // New vertices inherit their wanted length from the rim's.
     patch.sizes.iter_mut().for_each(|s| *s *= coarse);
     if !refine(&mut patch, &outline.taken, 3) {

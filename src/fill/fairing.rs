@@ -146,7 +146,8 @@ fn is_new(sheet: &Sheet, v: usize) -> bool {
 
 fn solve_membrane(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
     let (number, free) = number_unknowns(sheet, |v| is_new(sheet, v));
-    let mut system = System::new(free.len());
+    let places = free.iter().map(|&v| sheet.positions[v]);
+    let mut system = System::new(free.len()).with_places(places);
     for &v in &free {
         let mut rhs = DVec3::ZERO;
         system.add(number[v] as usize, l.diagonal[v]);
@@ -190,7 +191,8 @@ fn assemble_plate(
     number: &[u32],
     free: &[usize],
 ) -> System {
-    let mut system = System::new(free.len());
+    let places = free.iter().map(|&v| sheet.positions[v]);
+    let mut system = System::new(free.len()).with_places(places);
     for &v in free {
         let mut rhs = DVec3::ZERO;
         // Column v of L: the rows in which x_v occurs.
@@ -227,7 +229,8 @@ fn join_to_rim(sheet: &Sheet, smooth: Vec<DVec3>, edge: f64) -> Option<Vec<DVec3
     let patch = &sheet.triangles[..sheet.triangles.len() - sheet.band_face_count];
     let l = Laplacian::new(&moved[..sheet.patch_count], patch, Weights::Cotangent);
     let screen = 1.0 / (RESIDUAL_EDGES * edge).powi(2);
-    let mut system = System::new(sheet.patch_count - rim);
+    let places = moved[rim..sheet.patch_count].iter().copied();
+    let mut system = System::new(sheet.patch_count - rim).with_places(places);
     for v in rim..sheet.patch_count {
         let mut rhs = DVec3::ZERO;
         system.add(v - rim, l.diagonal[v] + screen * l.mass[v]);
@@ -252,7 +255,8 @@ fn solve_triharmonic(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
 }
 
 fn assemble_triharmonic(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[usize]) -> System {
-    let mut system = System::new(free.len());
+    let places = free.iter().map(|&v| sheet.positions[v]);
+    let mut system = System::new(free.len()).with_places(places);
     let mut column = Column::new(sheet.positions.len());
     for &v in free {
         column.unit(v);

@@ -160,11 +160,13 @@ fn nearest_pairs(points: &[DVec3], mut f: impl FnMut(usize, usize)) {
     }
 }
 
-/// The chords by their second corner: (first corner, weight, chord), ascending, filled from the
-/// end as the first corners descend. Walking a column is what the time goes into.
+/// The chords by their second corner, ascending by the first, filled from the end as the first
+/// corners descend. Walking a column is what the time goes into, so each thing lies by itself.
 struct Columns {
     start: Vec<usize>,
-    of: Vec<(u32, f64, u32)>,
+    corner: Vec<u32>,
+    weight: Vec<f64>,
+    chord: Vec<u32>,
     /// First filled place of each column.
     open: Vec<usize>,
 }
@@ -177,14 +179,19 @@ impl Columns {
             start[j + 1] += start[j];
         }
         let open = start[1..].to_vec();
-        Self { of: vec![(0, f64::INFINITY, 0); chords.to.len()], start, open }
+        let m = chords.to.len();
+        let (corner, weight, chord) = (vec![0; m], vec![f64::INFINITY; m], vec![0; m]);
+        Self { start, corner, weight, chord, open }
     }
-    fn end(&self, j: usize) -> usize {
-        self.start[j + 1]
+    fn filled(&self, j: u32) -> std::ops::Range<usize> {
+        self.open[j as usize]..self.start[j as usize + 1]
     }
     fn put(&mut self, i: usize, j: u32, weight: f64, chord: usize) {
         self.open[j as usize] -= 1;
-        self.of[self.open[j as usize]] = (i as u32, weight, chord as u32);
+        let at = self.open[j as usize];
+        self.corner[at] = i as u32;
+        self.weight[at] = weight;
+        self.chord[at] = chord as u32;
     }
 }
 
@@ -205,74 +212,80 @@ impl Weights {
         let mut normal = vec![DVec3::ZERO; chords.to.len()];
         let mut apex = vec![NONE; chords.to.len()];
         let mut columns = Columns::new(chords, n);
-        let mut parts: Vec<(f64, u32, usize, usize)> = Vec::new();
+        // The chords of row i by their second corner; infinite where there is none.
+        let mut left_weight = vec![f64::INFINITY; n];
+        let mut left_chord = vec![0u32; n];
         // Descending i, ascending j: the parts of a chord come before it.
         for i in (0..n).rev() {
             let row = chords.row(i);
             let base = chords.start[i];
             for (at, &j) in row.iter().enumerate() {
                 let chord = base + at;
+                left_chord[j as usize] = chord as u32;
                 if j as usize == i + 1 {
                     weight[chord] = 0.0;
                     if let Beyond::Face(face) = polygon.beyond[i] {
                         normal[chord] = face;
                     }
                     columns.put(i, j, 0.0, chord);
+                    left_weight[j as usize] = 0.0;
                     continue;
                 }
-                // Row i and column j, both ascending: where they meet, k makes a triangle.
-                let column = &columns.of[columns.open[j as usize]..columns.end(j as usize)];
-                let mut left = 0;
-                parts.clear();
-                for &(k, right_weight, right) in column {
-                    while left < at && row[left] < k {
-                        left += 1;
-                    }
-                    if left == at {
-                        break;
-                    }
-                    if row[left] == k {
-                        let sum = weight[base + left] + right_weight;
-                        if sum < f64::INFINITY {
-                            parts.push((sum, k, base + left, right as usize));
-                        }
-                    }
-                }
+                let filled = columns.filled(j);
+                let corners = &columns.corner[filled.clone()];
+                let rights = &columns.weight[filled.clone()];
+                let right_chords = &columns.chord[filled];
+                let sum = |k: usize| left_weight[corners[k] as usize] + rights[k];
                 // The apex with the cheapest parts first: its total rules most others out unseen.
-                if let Some(cheapest) = (0..parts.len())
-                    .min_by(|&x, &y| parts[x].0.total_cmp(&parts[y].0).then(x.cmp(&y)))
-                {
-                    parts.swap(0, cheapest);
+                let (mut cheapest, mut least) = (usize::MAX, f64::INFINITY);
+                for k in 0..corners.len() {
+                    if sum(k) < least {
+                        (cheapest, least) = (k, sum(k));
+                    }
                 }
                 let (a, c) = (points[i], points[j as usize]);
-                let own = EDGE_WEIGHT * a.distance_squared(c);
-                for &(sum, k, left, right) in &parts {
-                    if sum + own >= weight[chord] {
-                        continue;
-                    }
-                    let b = points[k as usize];
+                let chord2 = a.distance_squared(c);
+                let own = EDGE_WEIGHT * chord2;
+                let (mut best, mut best_normal, mut best_apex) = (f64::INFINITY, DVec3::ZERO, NONE);
+                let mut offer = |k: usize, best: &mut f64| {
+                    let mut total = sum(k) + own;
+                    let b = points[corners[k] as usize];
                     let cross = (b - a).cross(c - a);
                     let area2 = cross.length();
-                    let mut total = sum + own + 0.5 * area2;
-                    if total >= weight[chord] {
-                        continue;
+                    total += 0.5 * area2;
+                    if total >= *best {
+                        return;
                     }
                     let unit = if area2 > 0.0 { cross / area2 } else { DVec3::ZERO };
-                    total += fold(unit, normal[left], a.distance_squared(b))
-                        + fold(unit, normal[right], b.distance_squared(c));
+                    let left = normal[left_chord[corners[k] as usize] as usize];
+                    let right = normal[right_chords[k] as usize];
+                    total += fold(unit, left, a.distance_squared(b))
+                        + fold(unit, right, b.distance_squared(c));
                     if i == 0 && j as usize == n - 1 {
                         if let Beyond::Face(face) = polygon.beyond[n - 1] {
-                            total += fold(unit, face, a.distance_squared(c));
+                            total += fold(unit, face, chord2);
                         }
                     }
-                    if total < weight[chord] {
-                        weight[chord] = total;
-                        normal[chord] = unit;
-                        apex[chord] = k;
+                    if total < *best {
+                        *best = total;
+                        (best_normal, best_apex) = (unit, corners[k]);
+                    }
+                };
+                if cheapest != usize::MAX {
+                    offer(cheapest, &mut best);
+                    for k in 0..corners.len() {
+                        if sum(k) + own < best && k != cheapest {
+                            offer(k, &mut best);
+                        }
                     }
                 }
-                columns.put(i, j, weight[chord], chord);
+                weight[chord] = best;
+                normal[chord] = best_normal;
+                apex[chord] = best_apex;
+                left_weight[j as usize] = best;
+                columns.put(i, j, best, chord);
             }
+            row.iter().for_each(|&j| left_weight[j as usize] = f64::INFINITY);
         }
         Self { apex }
     }
