@@ -57,3 +57,31 @@ impl<'a> Monitor<'a> {
         }
     }
 }
+
+/// Elementary steps (an edge looked at, an apex tried) between two looks at the wish to stop: some
+/// five milliseconds of work.
+const PACE: usize = 1 << 20;
+
+/// Asks now and then, in a long loop, whether to go on.
+pub struct Pace<'a> {
+    check: &'a dyn Fn() -> Result<()>,
+    done: usize,
+}
+
+impl<'a> Pace<'a> {
+    /// Asks `check`.
+    pub fn new(check: &'a dyn Fn() -> Result<()>) -> Self {
+        Self { check, done: 0 }
+    }
+
+    /// Counts steps of work; asks when there have been enough.
+    #[inline]
+    pub fn work(&mut self, steps: usize) -> Result<()> {
+        self.done += steps;
+        if self.done < PACE {
+            return Ok(());
+        }
+        self.done = 0;
+        (self.check)()
+    }
+}

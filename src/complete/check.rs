@@ -2,9 +2,10 @@
 //! against itself, the mesh and the other fills, and repaired where it meets them.
 
 use super::smooth::Surroundings;
+use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::intersect::{degenerate_faces, find_intersections};
-use crate::mesh::neighbourhood::{Bounds, Neighbourhood};
+use crate::mesh::neighbourhood::{Bounds, Grid, Neighbourhood};
 use crate::mesh::MeshView;
 use crate::progress::Monitor;
 use glam::DVec3;
@@ -47,38 +48,43 @@ pub struct Obstacles<'a> {
 }
 
 impl Obstacles<'_> {
-    /// Rounds a patch, tests it, repairs it; says why when that fails.
+    /// Rounds a patch, tests it, repairs it; says why when that fails. Asks `check` between rounds.
     pub fn settle(
         &self,
         around: &Surroundings<'_>,
         mut patch: Patch,
-    ) -> std::result::Result<Patch, String> {
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<std::result::Result<Patch, String>> {
         let rim = patch.rim_count;
         let round_off = |patch: &mut Patch| {
             patch.positions[rim..].iter_mut().for_each(|p| *p = around.rounding.apply(*p));
         };
         round_off(&mut patch);
         // Repair averages, so it never leaves the box of the first test.
-        let known = self.triangles_near(around, &patch)?;
+        let known = match self.triangles_near(around, &patch) {
+            Ok(known) => known,
+            Err(why) => return Ok(Err(why)),
+        };
         for round in 0..=REPAIRS {
+            check()?;
             let bad = bad_faces(&known, &patch);
             if bad.is_empty() {
-                return Ok(patch);
+                return Ok(Ok(patch));
             }
             let hopeless = bad.len() > patch.triangles.len() / LOCAL + 60;
             if round == REPAIRS || hopeless || patch.positions.len() == rim {
                 let [a, b, c] = patch.triangles[bad[0] as usize].map(|v| patch.p(v));
                 let at = (a + b + c) / 3.0;
                 let (x, y, z) = (at.x, at.y, at.z);
-                return Err(format!(
+                return Ok(Err(format!(
                     "{} faces of its fill meet others, the first near ({x:.6}, {y:.6}, {z:.6})",
                     bad.len()
-                ));
+                )));
             }
             smooth_around(&mut patch, &bad, 2 + round / 4);
             round_off(&mut patch);
         }
-        Err("its fill could not be repaired".into())
+        Ok(Err("its fill could not be repaired".into()))
     }
 
     /// Whether a settled patch meets the other fills.
@@ -93,27 +99,34 @@ impl Obstacles<'_> {
         around: &Surroundings<'_>,
         patch: &Patch,
     ) -> std::result::Result<Vec<[DVec3; 3]>, String> {
-        let box_of_fill = Bounds::of(patch.positions.iter().copied());
-        let fresh;
-        let near = if self.covered.iter().any(|b| b.contains(&box_of_fill)) {
-            around.near
-        } else {
-            fresh = Neighbourhood::gather(self.mesh, &[box_of_fill], &Monitor::silent())
-                .map_err(|e| e.to_string())?;
-            &fresh
+        let query = Bounds::of(patch.positions.iter().copied());
+        let corners = |near: &Neighbourhood, f: usize| {
+            near.faces[f].map(|v| near.positions[v as usize])
         };
-        let mesh = near.faces.iter().map(|f| f.map(|v| near.positions[v as usize]));
-        let all = mesh.chain(self.others.iter().copied());
-        Ok(all.filter(|t| Bounds::of(*t).overlaps(&box_of_fill)).collect())
+        let mut known: Vec<[DVec3; 3]> = if self.covered.iter().any(|b| b.contains(&query)) {
+            let found = around.places.meeting(around.near, &query);
+            found.iter().map(|&f| corners(around.near, f as usize)).collect()
+        } else {
+            let fresh = Neighbourhood::gather(self.mesh, &[query], &Monitor::silent())
+                .map_err(|e| e.to_string())?;
+            (0..fresh.faces.len()).map(|f| corners(&fresh, f)).collect()
+        };
+        known.extend(self.others.iter().filter(|t| Bounds::of(**t).overlaps(&query)));
+        Ok(known)
     }
 }
 
 /// Faces of the patch that have no area or meet one another or a known triangle. Shared vertices
 /// are told by their positions, so the known triangles need no common numbering.
 fn bad_faces(known: &[[DVec3; 3]], patch: &Patch) -> Vec<u32> {
-    let mut positions = known.concat();
+    let boxes: Vec<Bounds> =
+        patch.triangles.iter().map(|t| Bounds::of(t.map(|v| patch.p(v)))).collect();
+    // The box of a fill holds much that comes nowhere near it.
+    let cells = Grid::new(&boxes);
+    let mut positions: Vec<DVec3> =
+        known.iter().filter(|t| cells.meets(&Bounds::of(**t))).flatten().copied().collect();
     let mut faces: Vec<[u32; 3]> =
-        (0..known.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        (0..positions.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
     let (fill_start, first) = (faces.len(), positions.len() as u32);
     positions.extend_from_slice(&patch.positions);
     faces.extend(patch.triangles.iter().map(|t| t.map(|v| v + first)));

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::fill::sheet::Incidence;
 use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
-use crate::mesh::neighbourhood::{Bounds, Neighbourhood};
+use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
 use crate::options::{Fairing, Grouping, Options};
 use crate::progress::Monitor;
@@ -88,6 +88,7 @@ impl<'a> Completer<'a> {
         let around = Surroundings {
             near: &near,
             incidence: &incidence,
+            places: FacePlaces::new(&near, todo.len()),
             fairing: options.fairing,
             sizing: options.sizing,
             rounding: if single { Rounding::Single } else { Rounding::Double },

@@ -16,8 +16,9 @@ use crate::fill::polygon::join_loops;
 use crate::fill::refine::{refine, split_taken};
 use crate::fill::sheet::{Band, Incidence, Sheet};
 use crate::fill::triangulate::{triangulate, ALL_PAIRS};
-use crate::mesh::neighbourhood::Neighbourhood;
+use crate::mesh::neighbourhood::{FacePlaces, Neighbourhood};
 use crate::options::{Fairing, Sizing};
+use crate::progress::Pace;
 use glam::DVec3;
 
 /// Share of the hole's radius that is hidden from the predictions: measured with 0.05, 0.1, 0.2
@@ -26,8 +27,12 @@ const HIDDEN_SHARE: f64 = 0.1;
 /// Wanted edge length of the coarse fill, in fine ones: the choice needs the low frequencies only,
 /// and 2, 3 and 4 choose equally well.
 const COARSE: f64 = 4.0;
-/// Least radius of the coarse fill, in its own edges.
-const COARSE_RADIUS: f64 = 3.0;
+/// Holes with less radius than this many edges have a finer one: `HALF`.
+const SMALL: f64 = 12.0;
+/// The same for small holes. With 4 here, too, the fill of a broken edge is a third worse.
+const HALF: f64 = 2.0;
+/// Holes with less radius than this many edges have no coarser fill worth the name.
+const TINY: f64 = 5.0;
 /// Smoothing length of the smoothed plate, in hole radii; and its band.
 const SMOOTHING: f64 = 0.1;
 const SOFT_BAND: f64 = 0.4;
@@ -38,6 +43,8 @@ pub struct Surroundings<'a> {
     pub near: &'a Neighbourhood,
     /// Its faces by vertex.
     pub incidence: &'a Incidence,
+    /// Its faces by place.
+    pub places: FacePlaces,
     /// The caller's choice of surface.
     pub fairing: Fairing,
     /// The caller's choice of size.
@@ -76,18 +83,21 @@ pub fn fill_hole(
         (Fairing::Auto, _) => vec![Fairing::Auto, Fairing::C1, Fairing::C0, Fairing::None],
         (one, _) => vec![one],
     };
+    let ask = || check(0.2);
+    let mut pace = Pace::new(&ask);
     let mut reason = String::from("its rim has no triangulation");
     for (round, all_pairs) in ALL_PAIRS.into_iter().enumerate() {
         // A small polygon has all its chords the first time already.
         if round > 0 && all_pairs.holds(&polygon) {
             break;
         }
-        let first = triangulate(&outline.positions, &outline.sizes, &polygon, all_pairs);
+        let first =
+            triangulate(&outline.positions, &outline.sizes, &polygon, all_pairs, &mut pace)?;
         let Some(first) = first else { continue };
         check(0.2)?;
         for &attempt in &attempts {
             let made = match make(around, &outline, first.clone(), attempt, check)? {
-                Ok(patch) => obstacles.settle(around, patch),
+                Ok(patch) => obstacles.settle(around, patch, &|| check(0.9))?,
                 Err(reason) => Err(reason),
             };
             check(0.95)?;
@@ -121,7 +131,7 @@ fn make(
         patch.compact();
     } else if fairing == Fairing::Auto {
         return auto(around, outline, patch, check);
-    } else if !refine(&mut patch, &outline.taken, 4) {
+    } else if !refine(&mut patch, &outline.taken, 4, &mut Pace::new(&|| check(0.25)))? {
         return Ok(Err(TOO_MANY.into()));
     }
     let Some(plate) = plate_of(fairing, outline) else { return Ok(Ok(patch)) };
@@ -133,7 +143,8 @@ fn make(
             return Ok(Err(NO_FACTOR.into()));
         };
         place(&mut patch, &moved);
-        if pass == 0 && around.sizing != Sizing::None && !refine(&mut patch, &outline.taken, 2) {
+        let again = pass == 0 && around.sizing != Sizing::None;
+        if again && !refine(&mut patch, &outline.taken, 2, &mut Pace::new(&|| check(0.5)))? {
             return Ok(Err(TOO_MANY.into()));
         }
     }
@@ -150,10 +161,14 @@ fn auto(
     let (near, incidence) = (around.near, around.incidence);
     let edge = outline.mean_size();
     let radius = outline.radius();
-    let coarse = (radius / (COARSE_RADIUS * edge)).clamp(1.0, COARSE);
+    let coarse = match radius / edge {
+        r if r > SMALL => COARSE,
+        r if r > TINY => HALF,
+        _ => 1.0,
+    };
     // New vertices inherit their wanted length from the rim's.
     patch.sizes.iter_mut().for_each(|s| *s *= coarse);
-    if !refine(&mut patch, &outline.taken, 3) {
+    if !refine(&mut patch, &outline.taken, 3, &mut Pace::new(&|| check(0.25)))? {
         return Ok(Err(TOO_MANY.into()));
     }
     check(0.3)?;
@@ -179,7 +194,7 @@ fn auto(
         }
     }
     patch.sizes.iter_mut().for_each(|s| *s /= coarse);
-    if !refine(&mut patch, &outline.taken, 3) {
+    if !refine(&mut patch, &outline.taken, 3, &mut Pace::new(&|| check(0.55)))? {
         return Ok(Err(TOO_MANY.into()));
     }
     check(0.6)?;

@@ -16,7 +16,7 @@ const LANES: usize = 8;
 /// Columns subtracted at once: the one they are subtracted from is loaded and stored once.
 const BLOCK: usize = 4;
 
-/// The lower triangle of a symmetric matrix, column by column, rows ascending, diagonal first.
+/// The lower triangle of a symmetric matrix, column by column, the rows of each in any order.
 pub struct Lower<'a> {
     /// Column starts and the end.
     pub columns: &'a [usize],

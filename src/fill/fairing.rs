@@ -257,20 +257,18 @@ fn solve_triharmonic(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
 fn assemble_triharmonic(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[usize]) -> System {
     let places = free.iter().map(|&v| sheet.positions[v]);
     let mut system = System::new(free.len()).with_places(places);
-    let mut column = Column::new(sheet.positions.len());
+    let gradient = Rows::gradient(sheet, l);
     for &v in free {
-        column.unit(v);
-        column.multiply(l, |i| sheet.is_complete(i));
-        column.divide(&l.mass);
-        column.multiply_inside(l, |i| sheet.is_complete(i));
-        column.divide(&l.mass);
-        column.multiply(l, |_| true);
         let mut rhs = DVec3::ZERO;
-        for &k in &column.from.entries {
-            let value = column.from.values[k];
-            match number[k] {
-                u32::MAX => rhs -= value * sheet.positions[k],
-                j => system.add(j as usize, value),
+        // Column v of M⁻¹ L, then row by row what it is multiplied with.
+        let column = std::iter::once((v, l.diagonal[v])).chain(l.row(v).map(|(i, w)| (i, -w)));
+        for (i, liv) in column.filter(|&(i, _)| sheet.is_complete(i)) {
+            let factor = liv / l.mass[i];
+            for &(k, value) in gradient.row(i) {
+                match number[k as usize] {
+                    u32::MAX => rhs -= factor * value * sheet.positions[k as usize],
+                    j => system.add(j as usize, factor * value),
+                }
             }
         }
         system.end_column(rhs);
@@ -278,85 +276,50 @@ fn assemble_triharmonic(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[us
     system
 }
 
-/// A column of a product of Laplacians: a sparse vector, multiplied again and again.
-struct Column {
-    from: Sparse,
-    to: Sparse,
+/// A sparse matrix by rows.
+struct Rows {
+    start: Vec<u32>,
+    entries: Vec<(u32, f64)>,
 }
 
-/// A vector of zeros but for the entries listed.
-struct Sparse {
-    values: Vec<f64>,
-    listed: Vec<bool>,
-    entries: Vec<usize>,
-}
-
-impl Sparse {
-    fn new(n: usize) -> Self {
-        Self { values: vec![0.0; n], listed: vec![false; n], entries: Vec::new() }
-    }
-    fn clear(&mut self) {
-        for &i in &self.entries {
-            self.values[i] = 0.0;
-            self.listed[i] = false;
-        }
-        self.entries.clear();
-    }
-    #[inline]
-    fn add(&mut self, i: usize, x: f64) {
-        if !self.listed[i] {
-            self.listed[i] = true;
-            self.entries.push(i);
-        }
-        self.values[i] += x;
-    }
-}
-
-impl Column {
-    fn new(n: usize) -> Self {
-        Self { from: Sparse::new(n), to: Sparse::new(n) }
-    }
-    fn unit(&mut self, v: usize) {
-        self.from.clear();
-        self.from.add(v, 1.0);
-    }
-    fn divide(&mut self, mass: &[f64]) {
-        let from = &mut self.from;
-        from.entries.iter().for_each(|&i| from.values[i] /= mass[i]);
-    }
-    /// x ← L x at the rows allowed.
-    fn multiply(&mut self, l: &Laplacian, allowed: impl Fn(usize) -> bool) {
-        self.to.clear();
-        for &j in &self.from.entries {
-            let x = self.from.values[j];
-            if allowed(j) {
-                self.to.add(j, l.diagonal[j] * x);
-            }
-            for (i, w) in l.row(j) {
-                if allowed(i) {
-                    self.to.add(i, -w * x);
-                }
-            }
-        }
-        std::mem::swap(&mut self.from, &mut self.to);
-    }
-    /// The same with the Laplacian of the edges both of whose ends are allowed.
-    fn multiply_inside(&mut self, l: &Laplacian, allowed: impl Fn(usize) -> bool) {
-        self.to.clear();
-        for &j in &self.from.entries {
-            if !allowed(j) {
-                continue;
-            }
-            let x = self.from.values[j];
-            let mut diagonal = 0.0;
-            for (i, w) in l.row(j) {
-                if allowed(i) {
+impl Rows {
+    /// L' M⁻¹ L at complete rows, L' the Laplacian of the edges both of whose ends are complete.
+    fn gradient(sheet: &Sheet, l: &Laplacian) -> Self {
+        let n = sheet.positions.len();
+        let mut rows = Self { start: vec![0; n + 1], entries: Vec::with_capacity(19 * n) };
+        let mut sum = vec![f64::NAN; n];
+        let mut used: Vec<u32> = Vec::new();
+        for i in 0..n {
+            if sheet.is_complete(i) {
+                let mut diagonal = 0.0;
+                let mut add_row = |j: usize, weight: f64| {
+                    let factor = weight / l.mass[j];
+                    let row = std::iter::once((j, l.diagonal[j]));
+                    for (k, value) in row.chain(l.row(j).map(|(k, w)| (k, -w))) {
+                        if sum[k].is_nan() {
+                            sum[k] = 0.0;
+                            used.push(k as u32);
+                        }
+                        sum[k] += factor * value;
+                    }
+                };
+                for (j, w) in l.row(i).filter(|&(j, _)| sheet.is_complete(j)) {
                     diagonal += w;
-                    self.to.add(i, -w * x);
+                    add_row(j, -w);
                 }
+                add_row(i, diagonal);
+                for &k in &used {
+                    let value = std::mem::replace(&mut sum[k as usize], f64::NAN);
+                    rows.entries.push((k, value));
+                }
+                used.clear();
             }
-            self.to.add(j, diagonal * x);
+            rows.start[i + 1] = rows.entries.len() as u32;
         }
-        std::mem::swap(&mut self.from, &mut self.to);
+        rows
+    }
+
+    fn row(&self, i: usize) -> &[(u32, f64)] {
+        &self.entries[self.start[i] as usize..self.start[i + 1] as usize]
     }
 }

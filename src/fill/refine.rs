@@ -6,6 +6,8 @@
 //! - Flips aim at Delaunay triangles, not at valence six: cotangent weights stay positive.
 
 use super::patch::{next, previous, Patch, NONE};
+use crate::error::Result;
+use crate::progress::Pace;
 use glam::DVec3;
 
 /// Edges longer than this times the wanted length are split (4/3 in the paper).
@@ -27,27 +29,61 @@ const MOST_VERTICES: usize = 40_000_000;
 pub type Taken<'a> = &'a [(u32, u32)];
 
 /// Brings the patch to its sizes by up to `rounds` of all passes, then compacts it. False if the
-/// sizes ask for more vertices than can be had.
-pub fn refine(patch: &mut Patch, taken: Taken<'_>, rounds: usize) -> bool {
+/// sizes ask for more vertices than can be had. Asks `pace` on the way.
+pub fn refine(
+    patch: &mut Patch,
+    taken: Taken<'_>,
+    rounds: usize,
+    pace: &mut Pace<'_>,
+) -> Result<bool> {
+    let mut looks = Looks::default();
     for round in 0..rounds {
-        let changed = split_long(patch);
-        flip_to_delaunay(patch, taken);
+        let changed = split_long(patch, &mut looks, pace)?;
+        flip_to_delaunay(patch, taken, &mut looks, pace)?;
         if patch.positions.len() > MOST_VERTICES {
-            return false;
+            return Ok(false);
         }
-        let collapsed = collapse_short(patch, taken);
+        let collapsed = collapse_short(patch, taken, &mut looks, pace)?;
         if collapsed {
-            flip_to_delaunay(patch, taken);
+            flip_to_delaunay(patch, taken, &mut looks, pace)?;
         }
-        relax_positions(patch, if round == 0 { 6 } else { 3 });
+        relax_positions(patch, if round == 0 { 6 } else { 3 }, pace)?;
+        looks = Looks::default();
         if round > 0 && !changed && !collapsed {
             break;
         }
     }
-    flip_to_delaunay(patch, taken);
+    flip_to_delaunay(patch, taken, &mut looks, pace)?;
     split_taken(patch, taken);
     patch.compact();
-    true
+    Ok(true)
+}
+
+/// When each triangle was last changed and last looked at for flips, by a clock that counts changes:
+/// most passes change little, and what neither side of an edge has seen change need not be looked
+/// at again.
+#[derive(Default)]
+struct Looks {
+    changed: Vec<u32>,
+    seen: Vec<u32>,
+    clock: u32,
+}
+
+impl Looks {
+    /// Counts triangles that are new as changed.
+    fn grow(&mut self, patch: &Patch) {
+        if self.changed.len() < patch.triangles.len() {
+            self.clock += 1;
+            self.changed.resize(patch.triangles.len(), self.clock);
+            self.seen.resize(patch.triangles.len(), 0);
+        }
+    }
+    fn change(&mut self, triangles: impl IntoIterator<Item = u32>) {
+        self.clock += 1;
+        for t in triangles {
+            self.changed[t as usize] = self.clock;
+        }
+    }
 }
 
 fn wanted(patch: &Patch, a: u32, b: u32) -> f64 {
@@ -55,111 +91,170 @@ fn wanted(patch: &Patch, a: u32, b: u32) -> f64 {
 }
 
 /// Splits every edge that is too long, the longest (relative to its wanted length) first.
-fn split_long(patch: &mut Patch) -> bool {
+fn split_long(patch: &mut Patch, looks: &mut Looks, pace: &mut Pace<'_>) -> Result<bool> {
     let mut any = false;
+    let mut since = 0;
     // Each pass halves; long edges across a coarse triangulation need several.
     for _ in 0..32 {
         let mut long: Vec<(f64, u32, usize)> = Vec::new();
-        for t in 0..patch.triangles.len() {
-            if !patch.is_alive(t) {
+        looks.grow(patch);
+        let is_fresh = |t: u32| looks.changed[t as usize] > since;
+        for t in 0..patch.triangles.len() as u32 {
+            if !is_fresh(t) || !patch.is_alive(t as usize) {
                 continue;
             }
             for k in 0..3 {
-                let n = patch.across[t][k];
-                if n != NONE && (t as u32) < n {
-                    let ratio = stretch(patch, t as u32, k);
-                    if ratio > SPLIT {
-                        long.push((ratio, t as u32, k));
-                    }
+                let n = patch.across[t as usize][k];
+                if n != NONE && (t < n || !is_fresh(n)) && is_stretched(patch, t, k, SPLIT) {
+                    long.push((stretch(patch, t, k), t, k));
                 }
             }
         }
+        since = looks.clock;
+        pace.work(4 * patch.triangles.len())?;
         if long.is_empty() || patch.positions.len() > MOST_VERTICES {
-            return any;
+            return Ok(any);
         }
         any = true;
-        long.sort_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
         for (ratio, t, k) in long {
             // An earlier split may have changed this triangle.
-            if stretch(patch, t, k) == ratio && patch.across[t as usize][k] != NONE {
+            let n = patch.across[t as usize][k];
+            if n != NONE && stretch(patch, t, k) == ratio {
                 let tri = patch.triangles[t as usize];
                 let middle = 0.5 * (patch.p(tri[k]) + patch.p(tri[next(k)]));
                 patch.split(t, k, middle);
+                looks.change([t, n]);
+                looks.grow(patch);
             }
         }
-        flip_pass(patch, &[]);
+        flip_pass(patch, &[], looks, pace)?;
     }
-    any
+    Ok(any)
 }
 
+/// Length of an edge in wanted ones.
 fn stretch(patch: &Patch, t: u32, k: usize) -> f64 {
     let tri = patch.triangles[t as usize];
     let (a, b) = (tri[k], tri[next(k)]);
     patch.p(a).distance(patch.p(b)) / wanted(patch, a, b)
 }
 
-fn flip_to_delaunay(patch: &mut Patch, taken: Taken<'_>) {
-    for _ in 0..FLIP_PASSES {
-        if !flip_pass(patch, taken) {
-            return;
-        }
-    }
+/// Whether an edge is longer than `limit` wanted lengths.
+fn is_stretched(patch: &Patch, t: u32, k: usize, limit: f64) -> bool {
+    let tri = patch.triangles[t as usize];
+    let (a, b) = (tri[k], tri[next(k)]);
+    patch.p(a).distance_squared(patch.p(b)) > (limit * wanted(patch, a, b)).powi(2)
 }
 
-fn flip_pass(patch: &mut Patch, taken: Taken<'_>) -> bool {
+fn flip_to_delaunay(
+    patch: &mut Patch,
+    taken: Taken<'_>,
+    looks: &mut Looks,
+    pace: &mut Pace<'_>,
+) -> Result<()> {
+    for _ in 0..FLIP_PASSES {
+        if !flip_pass(patch, taken, looks, pace)? {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn flip_pass(
+    patch: &mut Patch,
+    taken: Taken<'_>,
+    looks: &mut Looks,
+    pace: &mut Pace<'_>,
+) -> Result<bool> {
     let mut any = false;
     let mut fan = Vec::new();
+    looks.grow(patch);
     for t in 0..patch.triangles.len() as u32 {
+        let last = std::mem::replace(&mut looks.seen[t as usize], looks.clock);
         if !patch.is_alive(t as usize) {
             continue;
         }
+        let is_changed = looks.changed[t as usize] > last;
         for k in 0..3 {
             let n = patch.across[t as usize][k];
-            if n != NONE && t < n && should_flip(patch, t, k, taken, &mut fan) {
-                patch.flip(t, k);
-                any = true;
-                break;
+            if n == NONE || t > n || !is_changed && looks.changed[n as usize] <= last {
+                continue;
+            }
+            match flip_wish(patch, t, k, taken, &mut fan) {
+                Wish::Stay => {}
+                // What forbids it may go away without a change here.
+                Wish::Forbidden => looks.seen[t as usize] = 0,
+                Wish::Flip => {
+                    patch.flip(t, k);
+                    looks.change([t, n]);
+                    looks.seen[t as usize] = 0;
+                    any = true;
+                    break;
+                }
             }
         }
     }
-    any
+    pace.work(4 * patch.triangles.len())?;
+    Ok(any)
 }
 
-fn should_flip(
+/// What is to be done with an edge.
+enum Wish {
+    Stay,
+    Flip,
+    /// It should be flipped, but its ends have an edge already.
+    Forbidden,
+}
+
+fn flip_wish(
     patch: &Patch,
     t: u32,
     k: usize,
     taken: Taken<'_>,
     fan: &mut Vec<(u32, usize)>,
-) -> bool {
+) -> Wish {
     let tri = patch.triangles[t as usize];
     let (a, b, c) = (tri[k], tri[next(k)], tri[previous(k)]);
     let n = patch.across[t as usize][k];
     let j = patch.side_across(n, t, a, b);
     let d = patch.triangles[n as usize][previous(j)];
     if c == d {
-        return false;
+        return Wish::Stay;
     }
     let [pa, pb, pc, pd] = [a, b, c, d].map(|v| patch.p(v));
     // cot + cot < 0: the opposite angles sum to more than π. Both cotangents share a scale below.
     let (u, v) = ((pa - pc), (pb - pc));
     let (w, x) = ((pa - pd), (pb - pd));
+    let (cos1, cos2) = (u.dot(v), w.dot(x));
+    if cos1 >= 0.0 && cos2 >= 0.0 {
+        return Wish::Stay;
+    }
     let (s1, s2) = (u.cross(v).length(), w.cross(x).length());
-    if u.dot(v) * s2 + w.dot(x) * s1 >= -1e-9 * s1 * s2 {
-        return false;
+    if cos1 * s2 + cos2 * s1 >= -1e-9 * s1 * s2 {
+        return Wish::Stay;
     }
     let bend = |m: DVec3, n: DVec3| m.normalize_or_zero().dot(n.normalize_or_zero());
     let before = bend((pb - pa).cross(pc - pa), (pa - pb).cross(pd - pb));
     let after = bend((pd - pa).cross(pc - pa), (pb - pd).cross(pc - pd));
     if after < FLIP_BEND && after <= before {
-        return false;
+        return Wish::Stay;
     }
     let pair = (c.min(d), c.max(d));
-    taken.binary_search(&pair).is_err() && !patch.joined(c, d, fan)
+    if taken.binary_search(&pair).is_err() && !patch.joined(c, d, fan) {
+        Wish::Flip
+    } else {
+        Wish::Forbidden
+    }
 }
 
 /// Collapses edges that are too short, one end of which is new.
-fn collapse_short(patch: &mut Patch, taken: Taken<'_>) -> bool {
+fn collapse_short(
+    patch: &mut Patch,
+    taken: Taken<'_>,
+    looks: &mut Looks,
+    pace: &mut Pace<'_>,
+) -> Result<bool> {
     let mut any = false;
     let (mut fan, mut other) = (Vec::new(), Vec::new());
     for t in 0..patch.triangles.len() as u32 {
@@ -171,17 +266,19 @@ fn collapse_short(patch: &mut Patch, taken: Taken<'_>) -> bool {
             let (u, v) = (tri[k], tri[next(k)]);
             if patch.is_rim(u)
                 || patch.across[t as usize][k] == NONE
-                || stretch(patch, t, k) >= COLLAPSE
+                || is_stretched(patch, t, k, COLLAPSE)
             {
                 continue;
             }
             if can_collapse(patch, u, v, taken, &mut fan, &mut other) {
                 patch.collapse(t, k, &mut fan);
+                looks.change(fan.iter().map(|f| f.0));
                 any = true;
             }
         }
     }
-    any
+    pace.work(4 * patch.triangles.len())?;
+    Ok(any)
 }
 
 /// The link condition, no forbidden edge, no overlong edge, no face turned over.
@@ -231,37 +328,63 @@ fn can_collapse(
 }
 
 /// Half the way to the average of the neighbours, in the tangent plane.
-fn relax_positions(patch: &mut Patch, sweeps: usize) {
-    let mut fan = Vec::new();
-    for _ in 0..sweeps {
-        for v in patch.rim_count as u32..patch.positions.len() as u32 {
-            if patch.at[v as usize] == NONE {
-                continue;
+fn relax_positions(patch: &mut Patch, sweeps: usize, pace: &mut Pace<'_>) -> Result<()> {
+    let rim = patch.rim_count;
+    // The side opposite each new vertex in each of its triangles, vertex by vertex.
+    let mut start = vec![0u32; patch.positions.len() - rim + 1];
+    let alive = || patch.triangles.iter().filter(|tri| tri[0] != NONE);
+    for v in alive().flatten().filter(|&&v| v as usize >= rim) {
+        start[*v as usize - rim + 1] += 1;
+    }
+    for v in 1..start.len() {
+        start[v] += start[v - 1];
+    }
+    let mut next_place = start.clone();
+    let mut sides = vec![(0, 0); start[start.len() - 1] as usize];
+    for tri in alive() {
+        for k in 0..3 {
+            if let Some(v) = (tri[k] as usize).checked_sub(rim) {
+                sides[next_place[v] as usize] = (tri[next(k)], tri[previous(k)]);
+                next_place[v] += 1;
             }
-            patch.fan(v, &mut fan);
-            let (mut sum, mut normal) = (DVec3::ZERO, DVec3::ZERO);
-            for &(t, k) in &fan {
-                sum += patch.p(patch.triangles[t as usize][next(k)]);
-                normal += patch.area_normal(t as usize);
-            }
-            let step = sum / fan.len() as f64 - patch.p(v);
-            let n = normal.normalize_or_zero();
-            patch.positions[v as usize] += 0.5 * (step - n * n.dot(step));
         }
     }
+    for _ in 0..sweeps {
+        for (i, range) in start.windows(2).enumerate() {
+            let around = &sides[range[0] as usize..range[1] as usize];
+            if around.is_empty() {
+                continue;
+            }
+            let p = patch.positions[rim + i];
+            let (mut sum, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+            for &(b, c) in around {
+                let b = patch.p(b) - p;
+                sum += b;
+                normal += b.cross(patch.p(c) - p);
+            }
+            let step = sum / around.len() as f64;
+            let along = normal * (normal.dot(step) / normal.length_squared().max(f64::MIN_POSITIVE));
+            patch.positions[rim + i] += 0.5 * (step - along);
+        }
+        pace.work(2 * sides.len())?;
+    }
+    Ok(())
 }
 
 /// Splits edges that the input has already, or that two different edges of the patch share: after
 /// this each pair of vertices has at most one edge.
 pub fn split_taken(patch: &mut Patch, taken: Taken<'_>) {
-    // A split makes no new edge between old vertices, so one round suffices; the doubles among
-    // the fill's own edges are found by sorting.
+    // A split makes no new edge between old vertices, so one round suffices. Doubles come from the
+    // triangulation alone, so both ends belong to the rim; they are found by sorting.
     let mut edges: Vec<(u32, u32, u32, usize)> = Vec::new();
     for t in 0..patch.triangles.len() {
         for k in 0..3 {
             let n = patch.across[t][k];
-            if patch.is_alive(t) && n != NONE && (t as u32) < n {
-                let (a, b) = (patch.triangles[t][k], patch.triangles[t][next(k)]);
+            if n == NONE || n < t as u32 || !patch.is_alive(t) {
+                continue;
+            }
+            let (a, b) = (patch.triangles[t][k], patch.triangles[t][next(k)]);
+            if patch.is_rim(a) && patch.is_rim(b) {
                 edges.push((a.min(b), a.max(b), t as u32, k));
             }
         }

@@ -61,7 +61,6 @@ impl System {
     /// Ends the current column, whose right-hand side is `rhs`.
     pub fn end_column(&mut self, rhs: DVec3) {
         self.columns.push(self.rows.len());
-        self.used.sort_unstable();
         for &i in &self.used {
             self.rows.push(i);
             self.values.push(self.scratch[i]);
@@ -101,8 +100,18 @@ impl System {
     /// By the crate `faer`, AMD ordering.
     fn solve_sparse(self) -> Option<Vec<DVec3>> {
         let n = self.rhs.len();
-        let symbolic = SymbolicSparseColMat::new_checked(n, n, self.columns, None, self.rows);
-        let matrix = SparseColMat::new(symbolic, self.values);
+        let (mut rows, mut values) = (self.rows, self.values);
+        let mut column: Vec<(usize, f64)> = Vec::new();
+        for range in self.columns.windows(2).map(|c| c[0]..c[1]) {
+            column.clear();
+            column.extend(rows[range.clone()].iter().copied().zip(values[range.clone()].iter().copied()));
+            column.sort_unstable_by_key(|e| e.0);
+            for (place, entry) in range.zip(&column) {
+                (rows[place], values[place]) = *entry;
+            }
+        }
+        let symbolic = SymbolicSparseColMat::new_checked(n, n, self.columns, None, rows);
+        let matrix = SparseColMat::new(symbolic, values);
         let factor = matrix.sp_cholesky(Side::Lower).ok()?;
         drop(matrix);
         let rhs = Mat::from_fn(n, 3, |i, d| self.rhs[i][d]);

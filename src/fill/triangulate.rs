@@ -10,6 +10,8 @@
 
 use super::patch::{Patch, NONE};
 use super::polygon::{Beyond, Polygon};
+use crate::error::Result;
+use crate::progress::Pace;
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -50,20 +52,21 @@ const FOLD_WEIGHT: f64 = 3.0;
 const FOLD_BACK: f64 = 4.0;
 
 /// Triangulates a polygon over patch vertices; the result has no new vertices. `None` if no
-/// triangulation was found (too few corners that differ).
+/// triangulation was found (too few corners that differ). Asks `pace` on the way.
 pub fn triangulate(
     positions: &[DVec3],
     sizes: &[f64],
     polygon: &Polygon,
     all_pairs: AllPairs,
-) -> Option<Patch> {
+    pace: &mut Pace<'_>,
+) -> Result<Option<Patch>> {
     let n = polygon.corners.len();
     if n < 3 {
-        return None;
+        return Ok(None);
     }
     let chords = Chords::new(positions, polygon, all_pairs);
-    let triangles = Weights::minimise(positions, polygon, &chords).triangles(&chords, n);
-    (triangles.len() == n - 2).then(|| build_patch(positions, sizes, polygon, &triangles))
+    let triangles = Weights::minimise(positions, polygon, &chords, pace)?.triangles(&chords, n);
+    Ok((triangles.len() == n - 2).then(|| build_patch(positions, sizes, polygon, &triangles)))
 }
 
 /// The chords (i, j), i < j, that may be used; rows sorted.
@@ -201,7 +204,12 @@ struct Weights {
 }
 
 impl Weights {
-    fn minimise(positions: &[DVec3], polygon: &Polygon, chords: &Chords) -> Self {
+    fn minimise(
+        positions: &[DVec3],
+        polygon: &Polygon,
+        chords: &Chords,
+        pace: &mut Pace<'_>,
+    ) -> Result<Self> {
         let n = polygon.corners.len();
         let point = |i: usize| positions[polygon.corners[i] as usize];
         let points: Vec<DVec3> = (0..n).map(point).collect();
@@ -283,11 +291,12 @@ impl Weights {
                 normal[chord] = best_normal;
                 apex[chord] = best_apex;
                 left_weight[j as usize] = best;
+                pace.work(corners.len())?;
                 columns.put(i, j, best, chord);
             }
             row.iter().for_each(|&j| left_weight[j as usize] = f64::INFINITY);
         }
-        Self { apex }
+        Ok(Self { apex })
     }
 
     /// The triangles in corner numbers.

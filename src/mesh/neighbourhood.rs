@@ -94,23 +94,36 @@ impl Neighbourhood {
     fn copy_out(mesh: MeshView<'_>, face_ids: Vec<u32>) -> Self {
         let mut faces: Vec<[u32; 3]> =
             face_ids.iter().map(|&f| mesh.faces.get(f as usize)).collect();
-        let mut vertices: Vec<u32> = faces.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let first = vertices.first().copied().unwrap_or(0);
+        let (first, last) =
+            faces.iter().flatten().fold((NONE, 0), |(a, b), &v| (a.min(v), b.max(v)));
+        let span = if faces.is_empty() { 0 } else { (last - first) as usize + 1 };
+        let mut vertices: Vec<u32>;
         // A direct table where the indices lie close together, else a search.
-        let span = vertices.last().map_or(0, |&l| (l - first) as usize + 1);
-        if span <= 64 * vertices.len() + 1024 {
+        if span <= 32 * faces.len() + 1024 {
             let mut local = vec![NONE; span];
-            vertices.iter().enumerate().for_each(|(i, &v)| local[(v - first) as usize] = i as u32);
+            faces.iter().flatten().for_each(|&v| local[(v - first) as usize] = 0);
+            vertices = Vec::with_capacity(faces.len() / 2 + 64);
+            for (v, place) in (first..).zip(&mut local).filter(|(_, place)| **place == 0) {
+                *place = vertices.len() as u32;
+                vertices.push(v);
+            }
             faces.iter_mut().flatten().for_each(|v| *v = local[(*v - first) as usize]);
         } else {
+            vertices = faces.iter().flatten().copied().collect();
+            vertices.sort_unstable();
+            vertices.dedup();
             let find = |v: u32| vertices.partition_point(|&w| w < v) as u32;
             faces.iter_mut().flatten().for_each(|v| *v = find(*v));
         }
         let positions =
             vertices.iter().map(|&v| DVec3::from(mesh.vertices.get(v as usize))).collect();
         Self { vertices, positions, faces, face_ids }
+    }
+
+    /// The box of a face.
+    fn face_box(&self, f: usize) -> Bounds {
+        let [a, b, c] = self.faces[f].map(|v| self.positions[v as usize]);
+        Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
     }
 
     /// Local index of an input vertex.
@@ -130,8 +143,63 @@ fn outcodes(mesh: MeshView<'_>, bounds: &Bounds) -> Vec<u8> {
         .collect()
 }
 
+/// With fewer holes than this a scan of all faces for each is cheaper than sorting them.
+const FEW_HOLES: usize = 4;
+
+/// The faces of a neighbourhood by the cells of a coarse grid that their boxes touch.
+pub struct FacePlaces {
+    grid: Grid,
+    /// Where the faces of each cell start in `faces`; empty where all faces are to be scanned.
+    start: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl FacePlaces {
+    /// Sorts the faces, if that pays for the number of holes.
+    pub fn new(near: &Neighbourhood, holes: usize) -> Self {
+        if holes < FEW_HOLES {
+            return Self { grid: Grid::new(&[]), start: vec![], faces: vec![] };
+        }
+        let grid = Grid::new(&[Bounds::of(near.positions.iter().copied())]);
+        let cells: Vec<_> = (0..near.faces.len()).map(|f| grid.range(&near.face_box(f))).collect();
+        let mut start = vec![0u32; grid.full.len() + 1];
+        cells.iter().for_each(|c| grid.visit(c, |i| start[i + 1] += 1));
+        for i in 1..start.len() {
+            start[i] += start[i - 1];
+        }
+        let mut next = start.clone();
+        let mut faces = vec![0; start[start.len() - 1] as usize];
+        for (f, range) in cells.iter().enumerate() {
+            grid.visit(range, |i| {
+                faces[next[i] as usize] = f as u32;
+                next[i] += 1;
+            });
+        }
+        Self { grid, start, faces }
+    }
+
+    /// The faces whose box meets `query`, ascending.
+    pub fn meeting(&self, near: &Neighbourhood, query: &Bounds) -> Vec<u32> {
+        let meets = |f: &u32| near.face_box(*f as usize).overlaps(query);
+        if self.start.is_empty() {
+            return (0..near.faces.len() as u32).filter(meets).collect();
+        }
+        let mut found = Vec::new();
+        self.grid.visit(&self.grid.range(query), |i| {
+            found.extend(&self.faces[self.start[i] as usize..self.start[i + 1] as usize]);
+        });
+        found.sort_unstable();
+        found.dedup();
+        found.retain(meets);
+        found
+    }
+}
+
+/// First and last cell, by axis.
+type CellRange = ([usize; 3], [usize; 3]);
+
 /// Which cells of a coarse grid the boxes touch.
-struct Grid {
+pub struct Grid {
     bounds: Bounds,
     cell: f64,
     size: [usize; 3],
@@ -140,7 +208,8 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(boxes: &[Bounds]) -> Self {
+    /// Marks the cells.
+    pub fn new(boxes: &[Bounds]) -> Self {
         let bounds = boxes.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
         let extent = (bounds.max - bounds.min).max(DVec3::ZERO);
         let cell = (extent.max_element() / CELLS).max(f64::MIN_POSITIVE);
@@ -148,13 +217,10 @@ impl Grid {
         let mut grid =
             Self { bounds, cell, size, full: vec![false; size.iter().product()], boxes: vec![] };
         for b in boxes {
-            let (lo, hi) = grid.range(b);
-            for z in lo[2]..=hi[2] {
-                for y in lo[1]..=hi[1] {
-                    let row = (z * size[1] + y) * size[0];
-                    grid.full[row + lo[0]..=row + hi[0]].fill(true);
-                }
-            }
+            let range = grid.range(b);
+            let mut full = std::mem::take(&mut grid.full);
+            grid.visit(&range, |i| full[i] = true);
+            grid.full = full;
         }
         // With few boxes an exact test is cheap and keeps the copy small.
         if boxes.len() <= 4 {
@@ -163,7 +229,18 @@ impl Grid {
         grid
     }
 
-    fn range(&self, b: &Bounds) -> ([usize; 3], [usize; 3]) {
+    /// Calls `f` with each cell of a range.
+    fn visit(&self, (lo, hi): &CellRange, mut f: impl FnMut(usize)) {
+        for z in lo[2]..=hi[2] {
+            for y in lo[1]..=hi[1] {
+                let row = (z * self.size[1] + y) * self.size[0];
+                (row + lo[0]..=row + hi[0]).for_each(&mut f);
+            }
+        }
+    }
+
+    /// The cells that a box touches, cut to the grid.
+    fn range(&self, b: &Bounds) -> CellRange {
         let index = |p: DVec3| {
             [0, 1, 2].map(|d| {
                 let x = ((p[d] - self.bounds.min[d]) / self.cell).max(0.0) as usize;
@@ -173,7 +250,8 @@ impl Grid {
         (index(b.min), index(b.max))
     }
 
-    fn meets(&self, b: &Bounds) -> bool {
+    /// Whether a box touches a marked cell.
+    pub fn meets(&self, b: &Bounds) -> bool {
         if !self.bounds.overlaps(b) {
             return false;
         }
