@@ -105,8 +105,15 @@ fn split_long(patch: &mut Patch, looks: &mut Looks, pace: &mut Pace<'_>) -> Resu
             }
             for k in 0..3 {
                 let n = patch.across[t as usize][k];
-                if n != NONE && (t < n || !is_fresh(n)) && is_stretched(patch, t, k, SPLIT) {
-                    long.push((stretch(patch, t, k), t, k));
+                if n == NONE || n < t && is_fresh(n) || !is_stretched(patch, t, k, SPLIT) {
+                    continue;
+                }
+                let ratio = stretch(patch, t, k);
+                if t < n {
+                    long.push((ratio, t, k));
+                } else {
+                    let tri = patch.triangles[t as usize];
+                    long.push((ratio, n, patch.side_across(n, t, tri[k], tri[next(k)])));
                 }
             }
         }

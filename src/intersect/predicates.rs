@@ -10,6 +10,8 @@ use robust::{Coord, Coord3D};
 /// Forward error of the determinant in `side_of_plane` relative to its permanent: Shewchuk's bound
 /// "A", (7 + 56 e) e with e = 2^-53.
 const ORIENT3D_BOUND: f64 = (7.0 + 56.0 * HALF_ULP) * HALF_ULP;
+/// The same for [`side_of_line`]: (3 + 16 e) e.
+const ORIENT2D_BOUND: f64 = (3.0 + 16.0 * HALF_ULP) * HALF_ULP;
 const HALF_ULP: f64 = f64::EPSILON / 2.0;
 
 /// Determinant of `a - d`, `b - d`, `c - d`: the sign is exact, the value is not.
@@ -49,9 +51,19 @@ pub fn side_of_plane(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> i32 {
     sign(orient3d(a, b, c, d))
 }
 
-/// Sign of [`orient2d`].
+/// Sign of [`orient2d`], with the plain determinant first.
 #[inline]
 pub fn side_of_line(axis: usize, a: DVec3, b: DVec3, c: DVec3) -> i32 {
+    let (u, v) = (a - c, b - c);
+    let (left, right) = match axis {
+        0 => (u.y * v.z, u.z * v.y),
+        1 => (u.z * v.x, u.x * v.z),
+        _ => (u.x * v.y, u.y * v.x),
+    };
+    let det = left - right;
+    if det.abs() > ORIENT2D_BOUND * (left.abs() + right.abs()) {
+        return sign(det);
+    }
     sign(orient2d(axis, a, b, c))
 }
 
