@@ -100,9 +100,8 @@ impl Obstacles<'_> {
         patch: &Patch,
     ) -> std::result::Result<Vec<[DVec3; 3]>, String> {
         let query = Bounds::of(patch.positions.iter().copied());
-        let corners = |near: &Neighbourhood, f: usize| {
-            near.faces[f].map(|v| near.positions[v as usize])
-        };
+        let corners =
+            |near: &Neighbourhood, f: usize| near.faces[f].map(|v| near.positions[v as usize]);
         let mut known: Vec<[DVec3; 3]> = if self.covered.iter().any(|b| b.contains(&query)) {
             let found = around.places.meeting(around.near, &query);
             found.iter().map(|&f| corners(around.near, f as usize)).collect()
@@ -111,7 +110,7 @@ impl Obstacles<'_> {
                 .map_err(|e| e.to_string())?;
             (0..fresh.faces.len()).map(|f| corners(&fresh, f)).collect()
         };
-        known.extend(self.others.iter().filter(|t| Bounds::of(**t).overlaps(&query)));
+        known.extend(self.others.iter().filter(|t| Bounds::of_triangle(**t).overlaps(&query)));
         Ok(known)
     }
 }
@@ -120,11 +119,15 @@ impl Obstacles<'_> {
 /// are told by their positions, so the known triangles need no common numbering.
 fn bad_faces(known: &[[DVec3; 3]], patch: &Patch) -> Vec<u32> {
     let boxes: Vec<Bounds> =
-        patch.triangles.iter().map(|t| Bounds::of(t.map(|v| patch.p(v)))).collect();
+        patch.triangles.iter().map(|t| Bounds::of_triangle(t.map(|v| patch.p(v)))).collect();
     // The box of a fill holds much that comes nowhere near it.
     let cells = Grid::new(&boxes);
-    let mut positions: Vec<DVec3> =
-        known.iter().filter(|t| cells.meets(&Bounds::of(**t))).flatten().copied().collect();
+    let mut positions: Vec<DVec3> = known
+        .iter()
+        .filter(|t| cells.meets(&Bounds::of_triangle(**t)))
+        .flatten()
+        .copied()
+        .collect();
     let mut faces: Vec<[u32; 3]> =
         (0..positions.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
     let (fill_start, first) = (faces.len(), positions.len() as u32);

@@ -370,7 +370,8 @@ fn relax_positions(patch: &mut Patch, sweeps: usize, pace: &mut Pace<'_>) -> Res
                 normal += b.cross(patch.p(c) - p);
             }
             let step = sum / around.len() as f64;
-            let along = normal * (normal.dot(step) / normal.length_squared().max(f64::MIN_POSITIVE));
+            let along =
+                normal * (normal.dot(step) / normal.length_squared().max(f64::MIN_POSITIVE));
             patch.positions[rim + i] += 0.5 * (step - along);
         }
         pace.work(2 * sides.len())?;

@@ -104,7 +104,9 @@ impl System {
         let mut column: Vec<(usize, f64)> = Vec::new();
         for range in self.columns.windows(2).map(|c| c[0]..c[1]) {
             column.clear();
-            column.extend(rows[range.clone()].iter().copied().zip(values[range.clone()].iter().copied()));
+            column.extend(
+                rows[range.clone()].iter().copied().zip(values[range.clone()].iter().copied()),
+            );
             column.sort_unstable_by_key(|e| e.0);
             for (place, entry) in range.zip(&column) {
                 (rows[place], values[place]) = *entry;

@@ -215,10 +215,11 @@ impl Weights {
         let points: Vec<DVec3> = (0..n).map(point).collect();
         let around: f64 = (0..n).map(|i| points[i].distance(points[(i + 1) % n])).sum();
         let fold_scale = FOLD_WEIGHT * around / std::f64::consts::TAU;
-        let fold = |n: DVec3, m: DVec3, l2: f64| fold_scale * l2.sqrt() * bend(n, m);
+        let fold = |n: DVec3, m: DVec3, length: f64| fold_scale * length * bend(n, m);
         let mut weight = vec![f64::INFINITY; chords.to.len()];
         let mut normal = vec![DVec3::ZERO; chords.to.len()];
         let mut apex = vec![NONE; chords.to.len()];
+        let mut length = vec![0.0; chords.to.len()];
         let mut columns = Columns::new(chords, n);
         // The chords of row i by their second corner; infinite where there is none.
         let mut left_weight = vec![f64::INFINITY; n];
@@ -230,6 +231,9 @@ impl Weights {
             for (at, &j) in row.iter().enumerate() {
                 let chord = base + at;
                 left_chord[j as usize] = chord as u32;
+                let (a, c) = (points[i], points[j as usize]);
+                let chord2 = a.distance_squared(c);
+                length[chord] = chord2.sqrt();
                 if j as usize == i + 1 {
                     weight[chord] = 0.0;
                     if let Beyond::Face(face) = polygon.beyond[i] {
@@ -251,8 +255,6 @@ impl Weights {
                         (cheapest, least) = (k, sum(k));
                     }
                 }
-                let (a, c) = (points[i], points[j as usize]);
-                let chord2 = a.distance_squared(c);
                 let own = EDGE_WEIGHT * chord2;
                 let (mut best, mut best_normal, mut best_apex) = (f64::INFINITY, DVec3::ZERO, NONE);
                 let mut offer = |k: usize, best: &mut f64| {
@@ -265,13 +267,13 @@ impl Weights {
                         return;
                     }
                     let unit = if area2 > 0.0 { cross / area2 } else { DVec3::ZERO };
-                    let left = normal[left_chord[corners[k] as usize] as usize];
-                    let right = normal[right_chords[k] as usize];
-                    total += fold(unit, left, a.distance_squared(b))
-                        + fold(unit, right, b.distance_squared(c));
+                    let left = left_chord[corners[k] as usize] as usize;
+                    let right = right_chords[k] as usize;
+                    total += fold(unit, normal[left], length[left])
+                        + fold(unit, normal[right], length[right]);
                     if i == 0 && j as usize == n - 1 {
                         if let Beyond::Face(face) = polygon.beyond[n - 1] {
-                            total += fold(unit, face, chord2);
+                            total += fold(unit, face, length[chord]);
                         }
                     }
                     if total < *best {
@@ -321,10 +323,10 @@ impl Weights {
 /// The cost of the angle between two faces: nothing when flat, 1 at 90°, 2 + `FOLD_BACK` when
 /// folded back; nothing where a normal is unknown.
 fn bend(n: DVec3, m: DVec3) -> f64 {
-    if n == DVec3::ZERO || m == DVec3::ZERO {
+    let cosine = n.dot(m);
+    if cosine == 0.0 && (n == DVec3::ZERO || m == DVec3::ZERO) {
         return 0.0;
     }
-    let cosine = n.dot(m);
     1.0 - cosine + FOLD_BACK * cosine.min(0.0).powi(2)
 }
 

@@ -30,6 +30,11 @@ impl Bounds {
     pub fn of(points: impl IntoIterator<Item = DVec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
+    /// The box around a triangle.
+    #[inline]
+    pub fn of_triangle([a, b, c]: [DVec3; 3]) -> Self {
+        Self { min: a.min(b).min(c), max: a.max(b).max(c) }
+    }
     /// The same box, `by` wider to all sides.
     pub fn grown(self, by: f64) -> Self {
         Self { min: self.min - by, max: self.max + by }
@@ -73,16 +78,15 @@ impl Neighbourhood {
     /// Copies every face whose box meets one of `boxes`. Two linear passes.
     pub fn gather(mesh: MeshView<'_>, boxes: &[Bounds], monitor: &Monitor) -> Result<Self> {
         let grid = Grid::new(boxes);
-        let codes = outcodes(mesh, &grid.bounds);
+        let codes = outcodes(mesh, &grid);
         monitor.check()?;
         let mut face_ids = Vec::new();
         for f in 0..mesh.faces.len() {
-            let face = mesh.faces.get(f).map(|v| v as usize);
-            if codes[face[0]] & codes[face[1]] & codes[face[2]] != 0 {
+            let [a, b, c] = mesh.faces.get(f).map(|v| codes[v as usize]);
+            if a & b & c & OUTSIDE != 0 {
                 continue;
             }
-            let corners = face.map(|v| DVec3::from(mesh.vertices.get(v)));
-            if grid.meets(&Bounds::of(corners)) {
+            if (a | b | c) & MARKED != 0 || grid.meets(&Bounds::of_triangle(corners(mesh, f))) {
                 face_ids.push(f as u32);
             }
         }
@@ -122,8 +126,9 @@ impl Neighbourhood {
 
     /// The box of a face.
     fn face_box(&self, f: usize) -> Bounds {
-        let [a, b, c] = self.faces[f].map(|v| self.positions[v as usize]);
-        Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
+        let [a, b, c] = self.faces[f];
+        let p = |v: u32| self.positions[v as usize];
+        Bounds::of_triangle([p(a), p(b), p(c)])
     }
 
     /// Local index of an input vertex.
@@ -132,13 +137,25 @@ impl Neighbourhood {
     }
 }
 
-/// On which sides of the box each vertex lies, a bit a side.
-fn outcodes(mesh: MeshView<'_>, bounds: &Bounds) -> Vec<u8> {
-    let (min, max) = (bounds.min, bounds.max);
+fn corners(mesh: MeshView<'_>, f: usize) -> [DVec3; 3] {
+    let [a, b, c] = mesh.faces.get(f);
+    [a, b, c].map(|v| DVec3::from(mesh.vertices.get(v as usize)))
+}
+
+/// Bits of [`outcodes`]: the six sides, and lying in a box or marked cell itself.
+const OUTSIDE: u8 = 0x3f;
+const MARKED: u8 = 0x80;
+
+/// On which sides of the grid each vertex lies, a bit a side, or whether its place is marked.
+fn outcodes(mesh: MeshView<'_>, grid: &Grid) -> Vec<u8> {
+    let (min, max) = (grid.bounds.min, grid.bounds.max);
     (0..mesh.vertices.len())
         .map(|v| {
             let p = DVec3::from(mesh.vertices.get(v));
-            (p.cmplt(min).bitmask() | p.cmpgt(max).bitmask() << 3) as u8
+            match (p.cmplt(min).bitmask() | p.cmpgt(max).bitmask() << 3) as u8 {
+                0 if grid.meets(&Bounds { min: p, max: p }) => MARKED,
+                sides => sides,
+            }
         })
         .collect()
 }
@@ -201,7 +218,10 @@ type CellRange = ([usize; 3], [usize; 3]);
 /// Which cells of a coarse grid the boxes touch.
 pub struct Grid {
     bounds: Bounds,
-    cell: f64,
+    /// Cells a unit of length.
+    scale: f64,
+    /// The last cell of each axis.
+    last: DVec3,
     size: [usize; 3],
     full: Vec<bool>,
     boxes: Vec<Bounds>,
@@ -214,8 +234,9 @@ impl Grid {
         let extent = (bounds.max - bounds.min).max(DVec3::ZERO);
         let cell = (extent.max_element() / CELLS).max(f64::MIN_POSITIVE);
         let size = [0, 1, 2].map(|d| (extent[d] / cell) as usize + 1);
-        let mut grid =
-            Self { bounds, cell, size, full: vec![false; size.iter().product()], boxes: vec![] };
+        let last = DVec3::from(size.map(|n| (n - 1) as f64));
+        let full = vec![false; size.iter().product()];
+        let mut grid = Self { bounds, scale: 1.0 / cell, last, size, full, boxes: vec![] };
         for b in boxes {
             let range = grid.range(b);
             let mut full = std::mem::take(&mut grid.full);
@@ -242,10 +263,8 @@ impl Grid {
     /// The cells that a box touches, cut to the grid.
     fn range(&self, b: &Bounds) -> CellRange {
         let index = |p: DVec3| {
-            [0, 1, 2].map(|d| {
-                let x = ((p[d] - self.bounds.min[d]) / self.cell).max(0.0) as usize;
-                x.min(self.size[d] - 1)
-            })
+            let cell = ((p - self.bounds.min) * self.scale).max(DVec3::ZERO).min(self.last);
+            [cell.x as u32 as usize, cell.y as u32 as usize, cell.z as u32 as usize]
         };
         (index(b.min), index(b.max))
     }
