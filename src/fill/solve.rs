@@ -121,3 +121,47 @@ impl System {
         Some((0..n).map(|i| DVec3::new(x[(i, 0)], x[(i, 1)], x[(i, 2)])).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bi-Laplacian of a strip of `n` × 4 points, plus one, with and without places.
+    fn strip(n: usize, with_places: bool, shift: f64) -> System {
+        let place = |v: usize| DVec3::new((v / 4) as f64, (v % 4) as f64, 0.0);
+        let mut system = System::new(4 * n);
+        if with_places {
+            system = system.with_places((0..4 * n).map(place));
+        }
+        for v in 0..4 * n {
+            for w in 0..4 * n {
+                match place(v).distance_squared(place(w)) {
+                    0.0 => system.add(w, 20.0 + shift),
+                    1.0 => system.add(w, -8.0),
+                    2.0 => system.add(w, 2.0),
+                    4.0 => system.add(w, 1.0),
+                    _ => {}
+                }
+            }
+            system.end_column(DVec3::new(v as f64, 1.0, (v % 7) as f64));
+        }
+        system
+    }
+
+    #[test]
+    fn both_factorisations_solve_the_same_system() {
+        for n in [1, 2, 5, 40] {
+            let (a, b) =
+                (strip(n, true, 1.0).solve().unwrap(), strip(n, false, 1.0).solve().unwrap());
+            for (a, b) in a.iter().zip(&b) {
+                assert!(a.distance(*b) < 1e-9 * (1.0 + b.length()), "{n}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_indefinite_system_has_no_solution() {
+        assert!(strip(10, true, -30.0).solve().is_none());
+        assert!(strip(10, false, -30.0).solve().is_none());
+    }
+}
