@@ -95,8 +95,10 @@ pub fn fill_hole(
             triangulate(&outline.positions, &outline.sizes, &polygon, all_pairs, &mut pace)?;
         let Some(first) = first else { continue };
         check(0.2)?;
+        // What the plain attempts start from, refined once.
+        let mut refined = None;
         for &attempt in &attempts {
-            let made = match make(around, &outline, first.clone(), attempt, check)? {
+            let made = match make(around, &outline, &first, &mut refined, attempt, check)? {
                 Ok(patch) => obstacles.settle(around, patch, &|| check(0.9))?,
                 Err(reason) => Err(reason),
             };
@@ -122,17 +124,26 @@ const NO_FACTOR: &str = "the fairing's system is not positive definite";
 fn make(
     around: &Surroundings<'_>,
     outline: &Outline,
-    mut patch: Patch,
+    first: &Patch,
+    refined: &mut Option<Patch>,
     fairing: Fairing,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Patch, String>> {
-    if around.sizing == Sizing::None {
-        split_taken(&mut patch, &outline.taken);
-        patch.compact();
-    } else if fairing == Fairing::Auto {
-        return auto(around, outline, patch, check);
-    } else if !refine(&mut patch, &outline.taken, 4, &mut Pace::new(&|| check(0.25)))? {
-        return Ok(Err(TOO_MANY.into()));
+    if fairing == Fairing::Auto {
+        return auto(around, outline, first.clone(), check);
+    }
+    let mut patch = refined.as_ref().unwrap_or(first).clone();
+    if refined.is_none() {
+        if around.sizing == Sizing::None {
+            split_taken(&mut patch, &outline.taken);
+            patch.compact();
+        } else if !refine(&mut patch, &outline.taken, 4, &mut Pace::new(&|| check(0.25)))? {
+            return Ok(Err(TOO_MANY.into()));
+        }
+        // Only `Auto` comes back for another.
+        if around.fairing == Fairing::Auto {
+            *refined = Some(patch.clone());
+        }
     }
     let Some(plate) = plate_of(fairing, outline) else { return Ok(Ok(patch)) };
     let band = band_for(around, outline, plate);

@@ -6,6 +6,7 @@
 
 use crate::error::Result;
 use crate::progress::Monitor;
+use std::cell::Cell;
 use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -39,9 +40,15 @@ pub fn run<T: Send>(
     let threads = if threads == 0 { available } else { threads };
     let threads = threads.min(count / FEW * 2).max(1);
     if threads == 1 {
-        return (0..count)
-            .map(|i| job(i, &|part| monitor.step(fraction(i as f64 + part), "filling")))
-            .collect();
+        let one = |i: usize| {
+            // A job that starts anew must not turn the progress back.
+            let most = Cell::new(0.0);
+            job(i, &|part| {
+                most.set(part.max(most.get()));
+                monitor.step(fraction(i as f64 + most.get()), "filling")
+            })
+        };
+        return (0..count).map(one).collect();
     }
     let next = AtomicUsize::new(0);
     let (send, receive) = mpsc::channel();

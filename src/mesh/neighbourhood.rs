@@ -107,9 +107,9 @@ impl Neighbourhood {
             let mut local = vec![NONE; span];
             faces.iter().flatten().for_each(|&v| local[(v - first) as usize] = 0);
             vertices = Vec::with_capacity(faces.len() / 2 + 64);
-            for (v, place) in (first..).zip(&mut local).filter(|(_, place)| **place == 0) {
+            for (i, place) in local.iter_mut().enumerate().filter(|(_, place)| **place == 0) {
                 *place = vertices.len() as u32;
-                vertices.push(v);
+                vertices.push(first + i as u32);
             }
             faces.iter_mut().flatten().for_each(|v| *v = local[(*v - first) as usize]);
         } else {
