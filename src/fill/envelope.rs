@@ -19,17 +19,17 @@ const BLOCK: usize = 4;
 /// The lower triangle of a symmetric matrix, column by column, the rows of each in any order.
 pub struct Lower<'a> {
     /// Column starts and the end.
-    pub columns: &'a [usize],
+    pub columns: &'a [u32],
     /// Rows.
-    pub rows: &'a [usize],
+    pub rows: &'a [u32],
     /// Values.
     pub values: &'a [f64],
 }
 
 impl Lower<'_> {
     fn column(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let range = self.columns[j]..self.columns[j + 1];
-        range.map(|e| (self.rows[e], self.values[e]))
+        let range = self.columns[j] as usize..self.columns[j + 1] as usize;
+        range.map(|e| (self.rows[e] as usize, self.values[e]))
     }
 }
 

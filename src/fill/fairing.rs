@@ -264,9 +264,9 @@ fn assemble_triharmonic(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[us
         let column = std::iter::once((v, l.diagonal[v])).chain(l.row(v).map(|(i, w)| (i, -w)));
         for (i, liv) in column.filter(|&(i, _)| sheet.is_complete(i)) {
             let factor = liv / l.mass[i];
-            for &(k, value) in gradient.row(i) {
-                match number[k as usize] {
-                    u32::MAX => rhs -= factor * value * sheet.positions[k as usize],
+            for (k, value) in gradient.row(i) {
+                match number[k] {
+                    u32::MAX => rhs -= factor * value * sheet.positions[k],
                     j => system.add(j as usize, factor * value),
                 }
             }
@@ -279,14 +279,19 @@ fn assemble_triharmonic(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[us
 /// A sparse matrix by rows.
 struct Rows {
     start: Vec<u32>,
-    entries: Vec<(u32, f64)>,
+    columns: Vec<u32>,
+    values: Vec<f64>,
 }
 
 impl Rows {
     /// L' M⁻¹ L at complete rows, L' the Laplacian of the edges both of whose ends are complete.
     fn gradient(sheet: &Sheet, l: &Laplacian) -> Self {
         let n = sheet.positions.len();
-        let mut rows = Self { start: vec![0; n + 1], entries: Vec::with_capacity(19 * n) };
+        let mut rows = Self {
+            start: vec![0; n + 1],
+            columns: Vec::with_capacity(19 * n),
+            values: Vec::with_capacity(19 * n),
+        };
         let mut sum = vec![f64::NAN; n];
         let mut used: Vec<u32> = Vec::new();
         for i in 0..n {
@@ -309,17 +314,18 @@ impl Rows {
                 }
                 add_row(i, diagonal);
                 for &k in &used {
-                    let value = std::mem::replace(&mut sum[k as usize], f64::NAN);
-                    rows.entries.push((k, value));
+                    rows.columns.push(k);
+                    rows.values.push(std::mem::replace(&mut sum[k as usize], f64::NAN));
                 }
                 used.clear();
             }
-            rows.start[i + 1] = rows.entries.len() as u32;
+            rows.start[i + 1] = rows.columns.len() as u32;
         }
         rows
     }
 
-    fn row(&self, i: usize) -> &[(u32, f64)] {
-        &self.entries[self.start[i] as usize..self.start[i + 1] as usize]
+    fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = self.start[i] as usize..self.start[i + 1] as usize;
+        range.map(|e| (self.columns[e] as usize, self.values[e]))
     }
 }

@@ -15,8 +15,8 @@ const ENVELOPE_UNKNOWNS: usize = 5000;
 
 /// A symmetric matrix being assembled column by column: the lower triangle and the right-hand side.
 pub struct System {
-    columns: Vec<usize>,
-    rows: Vec<usize>,
+    columns: Vec<u32>,
+    rows: Vec<u32>,
     values: Vec<f64>,
     rhs: Vec<DVec3>,
     /// Where the unknowns lie, if that is known.
@@ -31,8 +31,8 @@ impl System {
     pub fn new(n: usize) -> Self {
         Self {
             columns: Vec::with_capacity(n + 1),
-            rows: Vec::with_capacity(12 * n),
-            values: Vec::with_capacity(12 * n),
+            rows: Vec::with_capacity(10 * n),
+            values: Vec::with_capacity(10 * n),
             rhs: Vec::with_capacity(n),
             places: Vec::new(),
             scratch: vec![f64::NAN; n],
@@ -60,9 +60,9 @@ impl System {
 
     /// Ends the current column, whose right-hand side is `rhs`.
     pub fn end_column(&mut self, rhs: DVec3) {
-        self.columns.push(self.rows.len());
+        self.columns.push(self.rows.len() as u32);
         for &i in &self.used {
-            self.rows.push(i);
+            self.rows.push(i as u32);
             self.values.push(self.scratch[i]);
             self.scratch[i] = f64::NAN;
         }
@@ -76,8 +76,9 @@ impl System {
         if n == 0 {
             return Some(Vec::new());
         }
-        self.columns.push(self.rows.len());
+        self.columns.push(u32::try_from(self.rows.len()).ok()?);
         self.scratch = Vec::new();
+        self.used = Vec::new();
         let solution = match self.narrow_envelope() {
             Some(envelope) => envelope.solve(&self.lower(), &self.rhs)?,
             None => self.solve_sparse()?,
@@ -101,8 +102,8 @@ impl System {
     fn solve_sparse(self) -> Option<Vec<DVec3>> {
         let n = self.rhs.len();
         let (mut rows, mut values) = (self.rows, self.values);
-        let mut column: Vec<(usize, f64)> = Vec::new();
-        for range in self.columns.windows(2).map(|c| c[0]..c[1]) {
+        let mut column: Vec<(u32, f64)> = Vec::new();
+        for range in self.columns.windows(2).map(|c| c[0] as usize..c[1] as usize) {
             column.clear();
             column.extend(
                 rows[range.clone()].iter().copied().zip(values[range.clone()].iter().copied()),
