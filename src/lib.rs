@@ -25,6 +25,7 @@
 #[cfg(feature = "capi")]
 pub mod capi;
 pub mod complete;
+pub mod descriptor;
 pub mod error;
 pub mod fill;
 pub mod holes;
@@ -36,6 +37,7 @@ pub mod mesh;
 pub mod options;
 pub mod progress;
 pub mod result;
+pub mod synthesis;
 
 #[cfg(feature = "cli")]
 pub mod cli;

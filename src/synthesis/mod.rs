@@ -1,0 +1,3 @@
+//! New geometry from what was found to fit.
+
+pub mod field;
