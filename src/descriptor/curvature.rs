@@ -9,6 +9,7 @@
 
 use crate::error::Result;
 use crate::fill::sheet::Incidence;
+use crate::progress::Monitor;
 use glam::DVec3;
 
 /// Coefficients of a cubic in two variables.
@@ -61,19 +62,19 @@ impl Curvature {
 }
 
 /// Curvatures at all vertices from fits over `rings` rings of neighbours (2 or 3; more rings,
-/// less noise and less detail). `check` is called now and then and may cancel.
+/// less noise and less detail). 
 pub fn principal_curvatures(
     positions: &[DVec3],
     faces: &[[u32; 3]],
     incidence: &Incidence,
     rings: usize,
-    check: &dyn Fn() -> Result<()>,
+    monitor: &Monitor,
 ) -> Result<Vec<Curvature>> {
     let mut rings_of = Rings::new(positions.len());
     let mut result = Vec::with_capacity(positions.len());
     for v in 0..positions.len() as u32 {
         if v as usize % BLOCK == 0 {
-            check()?;
+            monitor.check()?;
         }
         rings_of.gather(v, faces, incidence, rings);
         let normal = vertex_normal(positions, faces, incidence.faces(v));
@@ -257,7 +258,7 @@ pub(crate) mod tests {
 
     pub(crate) fn curvatures(positions: &[DVec3], faces: &[[u32; 3]]) -> Vec<Curvature> {
         let incidence = Incidence::of(positions.len(), faces);
-        principal_curvatures(positions, faces, &incidence, 3, &|| Ok(())).unwrap()
+        principal_curvatures(positions, faces, &incidence, 3, &Monitor::silent()).unwrap()
     }
 
     #[test]

@@ -106,7 +106,8 @@ fn flip_to_delaunay(patch: &mut Patch, taken: Taken<'_>) {
     }
 }
 
-fn flip_pass(patch: &mut Patch, taken: Taken<'_>) -> bool {
+/// One pass of flips towards Delaunay triangles; whether there was one.
+pub fn flip_pass(patch: &mut Patch, taken: Taken<'_>) -> bool {
     let mut any = false;
     let mut fan = Vec::new();
     for t in 0..patch.triangles.len() as u32 {
@@ -158,8 +159,18 @@ fn should_flip(
     taken.binary_search(&pair).is_err() && !patch.joined(c, d, fan)
 }
 
-/// Collapses edges that are too short, one end of which is new.
+/// Collapses edges that are too short.
 fn collapse_short(patch: &mut Patch, taken: Taken<'_>) -> bool {
+    collapse_edges(patch, taken, |patch, t, k| stretch(patch, t, k) < COLLAPSE)
+}
+
+/// Collapses the edges (side k of triangle t) that shall go, one end of which is new, where that
+/// leaves a manifold without overlong edges or faces turned over; whether there was one.
+pub fn collapse_edges(
+    patch: &mut Patch,
+    taken: Taken<'_>,
+    shall_go: impl Fn(&Patch, u32, usize) -> bool,
+) -> bool {
     let mut any = false;
     let (mut fan, mut other) = (Vec::new(), Vec::new());
     for t in 0..patch.triangles.len() as u32 {
@@ -171,7 +182,7 @@ fn collapse_short(patch: &mut Patch, taken: Taken<'_>) -> bool {
             let (u, v) = (tri[k], tri[next(k)]);
             if patch.is_rim(u)
                 || patch.across[t as usize][k] == NONE
-                || stretch(patch, t, k) >= COLLAPSE
+                || !shall_go(patch, t, k)
             {
                 continue;
             }

@@ -1,13 +1,17 @@
 //! The completed object with what is known of each of its vertices, and the part of it that a
 //! completion is changing.
 
-use crate::fill::patch::{next, previous, Patch};
+use crate::descriptor::ball::VertexGraph;
+use crate::descriptor::heat::Heat;
+use crate::descriptor::patch_signature::Surface;
+use crate::descriptor::prolong::Prolongation;
+use crate::fill::patch::Patch;
 use crate::fill::sheet::Incidence;
 use crate::mesh::neighbourhood::NONE;
 use glam::DVec3;
 
-/// Numbers of the heat kernel signature that correspondences are found by: its principal
-/// components, of which the sixth is below a thousandth of the first on all models measured.
+/// Principal components of the heat kernel signature that correspondences are found by. On the
+/// models measured the sixth spreads less than a thousandth of the first.
 pub const HEAT: usize = 6;
 
 /// What matching knows of a vertex beside its position.
@@ -32,49 +36,60 @@ impl Traits {
     }
 }
 
-/// An object whose holes all have an initial completion.
+/// An object whose holes all have an initial completion, and its description.
 pub struct Object {
     /// Positions, in mesh units.
     pub positions: Vec<DVec3>,
     /// Triangles.
     pub faces: Vec<[u32; 3]>,
-    /// The hole whose completion each face belongs to; [`NONE`] for the input's.
+    /// The hole whose completion each face belongs to; [`NONE`] for the source's.
     pub hole_of_face: Vec<u32>,
     /// The hole whose completion each vertex is new in; [`NONE`] for the source.
     pub hole_of_vertex: Vec<u32>,
     /// Faces at each vertex.
     pub incidence: Incidence,
+    /// Edges.
+    pub graph: VertexGraph,
+    /// Area of each vertex, in square mesh units.
+    pub mass: Vec<f64>,
+    /// Heat kernel signatures on a coarse copy.
+    pub heat: Heat,
+    /// The way from there.
+    pub prolongation: Prolongation,
     /// What is known of each vertex.
     pub traits: Vec<Traits>,
+    /// Greatest curvature without its sign at each vertex, in 1 / mesh unit.
+    pub curvature: Vec<f64>,
 }
 
 impl Object {
-    /// Mean edge length, in mesh units; each inner edge counts twice.
+    /// The mesh as patch signatures are computed on it.
+    pub fn surface(&self) -> Surface<'_> {
+        Surface {
+            positions: &self.positions,
+            graph: &self.graph,
+            mass: &self.mass,
+            prolongation: &self.prolongation,
+        }
+    }
+
+    /// Whether a vertex belongs to the source and has faces.
+    pub fn is_source(&self, v: u32) -> bool {
+        self.hole_of_vertex[v as usize] == NONE && !self.incidence.faces(v).is_empty()
+    }
+
+    /// Surface area, in square mesh units.
+    pub fn area(&self) -> f64 {
+        self.mass.iter().sum()
+    }
+
+    /// Mean edge length, in mesh units; an edge counts once for each of its faces.
     pub fn mean_edge(&self) -> f64 {
         let length = |f: &[u32; 3]| {
             let p = f.map(|v| self.positions[v as usize]);
             p[0].distance(p[1]) + p[1].distance(p[2]) + p[2].distance(p[0])
         };
         self.faces.iter().map(length).sum::<f64>() / (3 * self.faces.len().max(1)) as f64
-    }
-
-    /// Surface area, in square mesh units.
-    pub fn area(&self) -> f64 {
-        let area = |f: &[u32; 3]| {
-            let [a, b, c] = f.map(|v| self.positions[v as usize]);
-            0.5 * (b - a).cross(c - a).length()
-        };
-        self.faces.iter().map(area).sum()
-    }
-
-    /// Vertices of the source that some face uses.
-    pub fn source_count(&self) -> usize {
-        (0..self.positions.len()).filter(|&v| self.is_source(v as u32)).count()
-    }
-
-    /// Whether a vertex belongs to the source.
-    pub fn is_source(&self, v: u32) -> bool {
-        self.hole_of_vertex[v as usize] == NONE && !self.incidence.faces(v).is_empty()
     }
 }
 
@@ -83,175 +98,91 @@ impl Object {
 pub struct Target {
     /// The hole, as in [`Object::hole_of_face`].
     pub hole: u32,
-    /// The triangles.
+    /// The triangles. [`Patch::offsets`] holds where each vertex goes.
     pub patch: Patch,
     /// Object vertex of each rim vertex.
     pub rim: Vec<u32>,
     /// Of each vertex of the patch.
     pub traits: Vec<Traits>,
-    /// Vertices that share an edge with each, as one array with row starts.
-    neighbours: (Vec<u32>, Vec<u32>),
-    /// Patch vertex of each object vertex on the rim, sorted by object vertex.
-    rim_number: Vec<(u32, u32)>,
+    /// Where each vertex of the patch was when it all began, in mesh units.
+    pub rest: Vec<DVec3>,
+    /// The number of the target patch around each vertex of the patch; [`NONE`]: no patch.
+    pub centre: Vec<u32>,
 }
 
 impl Target {
-    /// A completion whose rim vertex i is object vertex `rim[i]`.
-    pub fn new(hole: u32, patch: Patch, rim: Vec<u32>, traits: Vec<Traits>) -> Self {
-        let mut rim_number: Vec<(u32, u32)> = rim.iter().copied().zip(0..).collect();
-        rim_number.sort_unstable();
-        let neighbours = Default::default();
-        let mut target = Self { hole, patch, rim, traits, neighbours, rim_number };
-        target.find_neighbours();
-        target
-    }
-
-    /// To be called when triangles have changed.
-    pub fn find_neighbours(&mut self) {
-        let triangles = &self.patch.triangles;
-        let mut pairs: Vec<(u32, u32)> = Vec::with_capacity(6 * triangles.len());
-        for tri in triangles {
-            for k in 0..3 {
-                pairs.push((tri[k], tri[next(k)]));
-                pairs.push((tri[k], tri[previous(k)]));
-            }
+    /// A completion whose vertex i is object vertex `origin[i]`.
+    pub fn new(hole: u32, patch: Patch, origin: &[u32], object: &Object) -> Self {
+        Self {
+            hole,
+            rim: origin[..patch.rim_count].to_vec(),
+            traits: origin.iter().map(|&v| object.traits[v as usize]).collect(),
+            rest: patch.positions.clone(),
+            centre: vec![NONE; patch.positions.len()],
+            patch,
         }
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut start = vec![0u32; self.patch.positions.len() + 1];
-        pairs.iter().for_each(|&(v, _)| start[v as usize + 1] += 1);
-        for v in 1..start.len() {
-            start[v] += start[v - 1];
-        }
-        self.neighbours = (start, pairs.into_iter().map(|(_, w)| w).collect());
-    }
-
-    /// Neighbours of a patch vertex within the patch.
-    pub fn neighbours(&self, v: u32) -> &[u32] {
-        let (start, to) = &self.neighbours;
-        &to[start[v as usize] as usize..start[v as usize + 1] as usize]
-    }
-
-    /// Patch vertex of an object vertex on the rim.
-    pub fn rim_vertex(&self, v: u32) -> Option<u32> {
-        self.rim_number.binary_search_by_key(&v, |r| r.0).ok().map(|i| self.rim_number[i].1)
     }
 
     /// New vertices, as patch vertices.
-    pub fn new_vertices(&self) -> std::ops::Range<u32> {
-        self.patch.rim_count as u32..self.patch.positions.len() as u32
+    pub fn new_vertices(&self) -> std::ops::Range<usize> {
+        self.patch.rim_count..self.patch.positions.len()
     }
 }
 
 /// Object and target as one surface. Vertices below the object's count are the object's, then
-/// come the target's new ones; the object's own vertices of the same hole are not reached.
-#[derive(Clone, Copy)]
+/// come the target's new ones; the object's own vertices of the same hole have no edges.
 pub struct Scene<'a> {
     /// All but the hole.
     pub object: &'a Object,
     /// The hole.
     pub target: &'a Target,
+    /// Positions of all, in mesh units.
+    pub positions: Vec<DVec3>,
+    /// Edges of all.
+    pub graph: VertexGraph,
+    /// Patch vertex of each; [`NONE`] for those that are no vertex of the patch.
+    pub patch_vertex: Vec<u32>,
 }
 
-impl Scene<'_> {
-    /// Vertices, unreachable ones included.
-    pub fn vertex_count(&self) -> usize {
-        self.object.positions.len() + self.target.new_vertices().len()
+impl<'a> Scene<'a> {
+    /// Puts both together.
+    pub fn new(object: &'a Object, target: &'a Target) -> Self {
+        let mut positions = object.positions.clone();
+        positions.extend_from_slice(&target.patch.positions[target.patch.rim_count..]);
+        let known = object.faces.iter().zip(&object.hole_of_face).filter(|f| *f.1 != target.hole);
+        let mut faces: Vec<[u32; 3]> = known.map(|f| *f.0).collect();
+        let number = |v: u32| scene_vertex(object, target, v as usize);
+        faces.extend(target.patch.triangles.iter().map(|t| t.map(number)));
+        let graph = VertexGraph::new(positions.len(), &faces);
+        let mut patch_vertex = vec![NONE; positions.len()];
+        for v in 0..target.patch.positions.len() {
+            patch_vertex[number(v as u32) as usize] = v as u32;
+        }
+        Self { object, target, positions, graph, patch_vertex }
     }
 
     /// The scene's number of a patch vertex.
-    pub fn of_patch(&self, v: u32) -> u32 {
-        match self.target.rim.get(v as usize) {
-            Some(&rim) => rim,
-            None => self.object.positions.len() as u32 + v - self.target.patch.rim_count as u32,
-        }
-    }
-
-    /// The patch vertex of a new vertex; `None` for the object's.
-    pub fn new_vertex(&self, v: u32) -> Option<u32> {
-        let beyond = (v as usize).checked_sub(self.object.positions.len())?;
-        Some((beyond + self.target.patch.rim_count) as u32)
-    }
-
-    /// Position of a vertex.
-    pub fn position(&self, v: u32) -> DVec3 {
-        match self.new_vertex(v) {
-            Some(p) => self.target.patch.p(p),
-            None => self.object.positions[v as usize],
-        }
+    pub fn of_patch(&self, v: usize) -> u32 {
+        scene_vertex(self.object, self.target, v)
     }
 
     /// What is known of a vertex.
     pub fn traits(&self, v: u32) -> &Traits {
-        match self.new_vertex(v) {
-            Some(p) => &self.target.traits[p as usize],
-            None => &self.object.traits[v as usize],
+        match self.object.traits.get(v as usize) {
+            Some(traits) => traits,
+            None => &self.target.traits[self.patch_vertex[v as usize] as usize],
         }
     }
 
     /// Whether a vertex belongs to the source.
     pub fn is_source(&self, v: u32) -> bool {
-        (v as usize) < self.object.positions.len() && self.object.is_source(v)
-    }
-
-    /// Calls `f` with every vertex that shares a face with `v`, some twice.
-    fn for_neighbours(&self, v: u32, mut f: impl FnMut(u32)) {
-        let of_patch = match self.new_vertex(v) {
-            Some(p) => Some(p),
-            None => {
-                for &face in self.object.incidence.faces(v) {
-                    if self.object.hole_of_face[face as usize] != self.target.hole {
-                        self.object.faces[face as usize].into_iter().for_each(&mut f);
-                    }
-                }
-                self.target.rim_vertex(v)
-            }
-        };
-        if let Some(p) = of_patch {
-            self.target.neighbours(p).iter().for_each(|&w| f(self.of_patch(w)));
-        }
+        self.object.hole_of_vertex.get(v as usize) == Some(&NONE)
     }
 }
 
-/// Finds the patch around a vertex: the connected part of the surface within a ball (sec. 3).
-pub struct Ball {
-    seen: Vec<u32>,
-    stamp: u32,
-}
-
-impl Ball {
-    /// For scenes of at most this many vertices.
-    pub fn new(vertex_count: usize) -> Self {
-        Self { seen: vec![0; vertex_count], stamp: 0 }
-    }
-
-    /// The vertices of the patch, the centre first. False as soon as one of them is refused.
-    pub fn gather(
-        &mut self,
-        scene: &Scene<'_>,
-        centre: u32,
-        radius: f64,
-        accept: impl Fn(u32) -> bool,
-        found: &mut Vec<u32>,
-    ) -> bool {
-        self.seen.resize(self.seen.len().max(scene.vertex_count()), 0);
-        self.stamp += 1;
-        found.clear();
-        found.push(centre);
-        self.seen[centre as usize] = self.stamp;
-        let (middle, limit) = (scene.position(centre), radius * radius);
-        let (mut at, mut accepted) = (0, accept(centre));
-        while at < found.len() && accepted {
-            scene.for_neighbours(found[at], |w| {
-                if std::mem::replace(&mut self.seen[w as usize], self.stamp) != self.stamp
-                    && scene.position(w).distance_squared(middle) <= limit
-                {
-                    accepted &= accept(w);
-                    found.push(w);
-                }
-            });
-            at += 1;
-        }
-        accepted
+fn scene_vertex(object: &Object, target: &Target, v: usize) -> u32 {
+    match target.rim.get(v) {
+        Some(&rim) => rim,
+        None => (object.positions.len() + v - target.patch.rim_count) as u32,
     }
 }

@@ -12,8 +12,9 @@
 //! - The minimum is Σ|p|² + Σ|q|² − 2 (σ₁ + σ₂ + σ₃), with p and q the vertices relative to the
 //!   centres and σ the singular values of Σ p qᵀ, so candidates are ranked without a rotation.
 
-use super::object::{Ball, Object, Scene, HEAT};
+use super::object::{Scene, HEAT};
 use super::rigid::Rigid;
+use crate::descriptor::ball::Balls;
 use glam::{DMat3, DVec3};
 
 /// The vertices of a patch, centre first, ready to be compared.
@@ -32,31 +33,29 @@ pub struct LocalPatch {
 }
 
 impl LocalPatch {
-    /// The patch of a vertex; `None` when it has a vertex that is refused.
-    pub fn gather(
-        scene: &Scene<'_>,
-        ball: &mut Ball,
-        centre: u32,
-        radius: f64,
-        accept: impl Fn(u32) -> bool,
-    ) -> Option<Self> {
+    /// The patch of a vertex.
+    pub fn gather(scene: &Scene<'_>, balls: &mut Balls<'_>, centre: u32, radius: f64) -> Self {
         let mut vertices = Vec::new();
-        if !ball.gather(scene, centre, radius, accept, &mut vertices) {
-            return None;
-        }
-        let middle = scene.position(centre);
-        let offsets = vertices.iter().map(|&v| scene.position(v) - middle).collect();
+        balls.gather(centre, radius, &mut vertices);
+        let place = |&v: &u32| scene.positions[v as usize];
+        let offsets = vertices.iter().map(|v| place(v) - place(&centre)).collect();
         let heat: Vec<[f64; HEAT]> = vertices.iter().map(|&v| scene.traits(v).heat).collect();
         let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
         let key = |i: &u32| heat[*i as usize][0];
         order.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
         let first = order.iter().map(key).collect();
-        Some(Self { vertices, offsets, heat, order, first })
+        Self { vertices, offsets, heat, order, first }
     }
 
     /// The patch of a source vertex; `None` if it is not contained in the source.
-    pub fn of_source(scene: &Scene<'_>, ball: &mut Ball, centre: u32, radius: f64) -> Option<Self> {
-        Self::gather(scene, ball, centre, radius, |v| scene.is_source(v))
+    pub fn of_source(
+        scene: &Scene<'_>,
+        balls: &mut Balls<'_>,
+        centre: u32,
+        radius: f64,
+    ) -> Option<Self> {
+        let patch = Self::gather(scene, balls, centre, radius);
+        patch.vertices.iter().all(|&v| scene.is_source(v)).then_some(patch)
     }
 
     /// The place of the vertex whose heat is nearest. Outward from where the first component
@@ -65,7 +64,7 @@ impl LocalPatch {
         let mut right = self.first.partition_point(|&x| x < heat[0]);
         let mut left = right;
         let mut best = (f64::INFINITY, 0);
-        let mut look = |place: usize, best: &mut (f64, usize)| {
+        let look = |place: usize, best: &mut (f64, usize)| {
             let i = self.order[place] as usize;
             let d: f64 = (0..HEAT).map(|k| (self.heat[i][k] - heat[k]).powi(2)).sum();
             if d < best.0 || d == best.0 && i < best.1 {
@@ -115,7 +114,8 @@ impl LocalPatch {
             .map(|(i, &q)| (self.offsets[i], q, 1.0))
             .collect();
         let about = Rigid::fit_about(DVec3::ZERO, DVec3::ZERO, pairs.into_iter(), None)?;
-        let (from, to) = (scene.position(self.vertices[0]), scene.position(target.vertices[0]));
+        let place = |p: &Self| scene.positions[p.vertices[0] as usize];
+        let (from, to) = (place(self), place(target));
         Some(Rigid { linear: about.linear, translation: to - about.linear * from })
     }
 }
@@ -144,25 +144,6 @@ pub fn nuclear_norm(m: DMat3) -> f64 {
         x -= step;
     }
     x * scale
-}
-
-/// The candidates of a target patch that are kept: in order of rank, source patches only, none
-/// whose centre lies within `apart` of a better one.
-pub fn thin_candidates(
-    object: &Object,
-    ranked: impl Iterator<Item = u32>,
-    apart: f64,
-    mut is_patch: impl FnMut(u32) -> bool,
-) -> Vec<u32> {
-    let mut kept: Vec<u32> = Vec::new();
-    for v in ranked {
-        let p = object.positions[v as usize];
-        let near = |&w: &u32| object.positions[w as usize].distance_squared(p) < apart * apart;
-        if !kept.iter().any(near) && is_patch(v) {
-            kept.push(v);
-        }
-    }
-    kept
 }
 
 #[cfg(test)]
