@@ -19,8 +19,8 @@
 //! [`Error`] and nothing half done. The bytes of the result do not depend on the thread count.
 //!
 //! Modules in the order data flows: [`mesh`] → [`holes`] → [`fill`] → [`intersect`] →
-//! [`complete`] → [`result`]. `capi` is the C face of the same calls; `io`, `sample`, `picture`
-//! and `cli` serve the command line.
+//! [`descriptor`] → [`matching`] → [`complete`] → [`result`]. `capi` is the C face of the same
+//! calls; `io`, `sample`, `picture` and `cli` serve the command line.
 
 #[cfg(feature = "capi")]
 pub mod capi;
