@@ -62,7 +62,7 @@ impl Curvature {
 }
 
 /// Curvatures at all vertices from fits over `rings` rings of neighbours (2 or 3; more rings,
-/// less noise and less detail). 
+/// less noise and less detail).
 pub fn principal_curvatures(
     positions: &[DVec3],
     faces: &[[u32; 3]],

@@ -99,7 +99,7 @@ fn corners(coarse: &Coarse, f: u32) -> [DVec3; 3] {
 }
 
 /// Barycentric coordinates of a point on a triangle; those of the nearest corner if it has no area.
-fn barycentric(p: DVec3, t: &[DVec3; 3]) -> [f64; 3] {
+pub(crate) fn barycentric(p: DVec3, t: &[DVec3; 3]) -> [f64; 3] {
     let n = (t[1] - t[0]).cross(t[2] - t[0]);
     let part = |k: usize| (t[(k + 1) % 3] - p).cross(t[(k + 2) % 3] - p).dot(n).max(0.0);
     let w = [part(0), part(1), part(2)];

@@ -180,10 +180,7 @@ pub fn collapse_edges(
             }
             let tri = patch.triangles[t as usize];
             let (u, v) = (tri[k], tri[next(k)]);
-            if patch.is_rim(u)
-                || patch.across[t as usize][k] == NONE
-                || !shall_go(patch, t, k)
-            {
+            if patch.is_rim(u) || patch.across[t as usize][k] == NONE || !shall_go(patch, t, k) {
                 continue;
             }
             if can_collapse(patch, u, v, taken, &mut fan, &mut other) {

@@ -9,9 +9,7 @@
 //!   ([`APART`]), and not more than [`MOST_CANDIDATES`]: Eq. 4 is where the time goes.
 
 use super::object::Object;
-use crate::descriptor::patch_signature::{
-    Domain, Index, Moments, Signatures, SEARCH_DIMENSIONS,
-};
+use crate::descriptor::patch_signature::{Domain, Index, Moments, Signatures, SEARCH_DIMENSIONS};
 use crate::error::Result;
 use crate::progress::Monitor;
 use glam::DVec3;

@@ -2,5 +2,7 @@
 
 pub mod anchors;
 pub mod coherence_error;
+pub mod describe;
 pub mod field;
+pub mod levels;
 pub mod repair;
