@@ -183,10 +183,11 @@ impl<'a> Completer<'a> {
         })?;
         let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &[] };
         for (fill, coherent) in fills.iter_mut().zip(made) {
+            fill.coherence_error = Some(coherent.errors).filter(|e| e[0].is_finite());
             for patch in coherent.patches {
                 monitor.check()?;
                 if let Ok(settled) = obstacles.settle(around, patch) {
-                    fill.patch = settled;
+                    (fill.patch, fill.method) = (settled, Method::Harary);
                     break;
                 }
             }
@@ -276,6 +277,8 @@ impl<'a> Completer<'a> {
                     report.vertices = first_vertex..first_vertex + vertices;
                     report.faces = first_face..out.faces.len();
                     report.status = HoleStatus::Filled;
+                    report.method = fill.method;
+                    report.coherence_error = fill.coherence_error;
                     report.fairing = fill.fairing;
                     report.seconds = seconds;
                 }
@@ -302,6 +305,8 @@ fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
         hole: hole.id,
         loops: hole.loops.clone(),
         status,
+        method: Method::Smooth,
+        coherence_error: None,
         fairing: Fairing::Auto,
         vertices: 0..0,
         faces: 0..0,

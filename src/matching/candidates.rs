@@ -9,8 +9,10 @@
 //!   ([`APART`]), and not more than [`MOST_CANDIDATES`]: Eq. 4 is where the time goes.
 
 use super::object::Object;
+use crate::descriptor::ball::Balls;
 use crate::descriptor::patch_signature::{Domain, Index, Moments, Signatures, SEARCH_DIMENSIONS};
 use crate::error::Result;
+use crate::mesh::neighbourhood::NONE;
 use crate::progress::Monitor;
 use glam::DVec3;
 
@@ -41,8 +43,9 @@ pub struct Sources {
 impl Sources {
     /// Describes the patches of this radius around the object's source vertices.
     pub fn new(object: &Object, radius: f64, monitor: &Monitor) -> Result<Self> {
-        let all: Vec<u32> =
-            (0..object.positions.len() as u32).filter(|&v| object.is_source(v)).collect();
+        let is_near_hole = near_holes(object, radius);
+        let is_centre = |v: &u32| object.is_source(*v) && !is_near_hole[*v as usize];
+        let all: Vec<u32> = (0..object.positions.len() as u32).filter(is_centre).collect();
         let step = all.len().div_ceil(MOST_SOURCES).max(1);
         let centres: Vec<u32> = all.into_iter().step_by(step).collect();
         let index = describe(object, &centres, radius, monitor)?
@@ -85,6 +88,23 @@ impl Sources {
         }
         Ok(candidates)
     }
+}
+
+/// The vertices whose patches reach into a completion, which the object says nothing about: those in
+/// the patches of the completions' outermost vertices.
+fn near_holes(object: &Object, radius: f64) -> Vec<bool> {
+    let mut is_near = vec![false; object.positions.len()];
+    let mut balls = Balls::new(&object.positions, &object.graph);
+    let mut patch = Vec::new();
+    for v in 0..is_near.len() as u32 {
+        let is_outermost = object.hole_of_vertex[v as usize] != NONE
+            && object.graph.neighbours(v).iter().any(|&w| object.is_source(w));
+        if is_outermost {
+            balls.gather(v, radius, &mut patch);
+            patch.iter().for_each(|&w| is_near[w as usize] = true);
+        }
+    }
+    is_near
 }
 
 /// The paper's signatures of patches, a set for each time domain.

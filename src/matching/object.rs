@@ -186,3 +186,37 @@ fn scene_vertex(object: &Object, target: &Target, v: usize) -> u32 {
         None => (object.positions.len() + v - target.patch.rim_count) as u32,
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// An object without any description but its shape; faces whose middle `is_hole` accepts are the
+    /// completion of hole 0, as are the vertices that only they have.
+    pub(crate) fn bare_object(
+        positions: Vec<DVec3>,
+        faces: Vec<[u32; 3]>,
+        is_hole: impl Fn(DVec3) -> bool,
+    ) -> Object {
+        let middle = |f: &[u32; 3]| f.iter().map(|&v| positions[v as usize]).sum::<DVec3>() / 3.0;
+        let hole_of_face: Vec<u32> =
+            faces.iter().map(|f| if is_hole(middle(f)) { 0 } else { NONE }).collect();
+        let mut hole_of_vertex = vec![0; positions.len()];
+        for (face, _) in faces.iter().zip(&hole_of_face).filter(|f| *f.1 == NONE) {
+            face.iter().for_each(|&v| hole_of_vertex[v as usize] = NONE);
+        }
+        Object {
+            hole_of_face,
+            hole_of_vertex,
+            incidence: Incidence::of(positions.len(), &faces),
+            graph: VertexGraph::new(positions.len(), &faces),
+            mass: vec![1.0; positions.len()],
+            heat: Heat::default(),
+            prolongation: Prolongation::default(),
+            traits: vec![Traits::default(); positions.len()],
+            curvature: vec![0.0; positions.len()],
+            positions,
+            faces,
+        }
+    }
+}

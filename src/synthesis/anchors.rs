@@ -145,3 +145,105 @@ impl InPatch {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::descriptor::ball::Balls;
+    use crate::descriptor::curvature::tests::grid;
+    use crate::matching::object::tests::bare_object;
+    use crate::matching::object::Object;
+    use crate::synthesis::levels::target_of;
+
+    fn wave(x: f64) -> f64 {
+        0.1 * (std::f64::consts::TAU * x).cos()
+    }
+
+    /// A sheet four waves long, whose second wave is hidden under a flat completion that is lifted by
+    /// `lift`, with a constant field along x.
+    fn waves(lift: f64) -> Object {
+        let at = |u: f64, v: f64| DVec3::new(4.0 * u, 1.5 * v, wave(4.0 * u));
+        let (positions, faces) = grid((121, 46), (false, false), at);
+        let is_hole = |p: DVec3| (p.x - 1.5).abs() < 0.3 && (p.y - 0.7).abs() < 0.3;
+        let mut object = bare_object(positions, faces, is_hole);
+        for (p, hole) in object.positions.iter_mut().zip(&object.hole_of_vertex) {
+            p.z = if *hole == 0 { wave(1.2) + lift } else { p.z };
+        }
+        object.traits.iter_mut().for_each(|t| t.field = DVec3::X);
+        object
+    }
+
+    /// The patch of the hole matched with the sheet `by` farther along x.
+    fn matched<'a>(
+        scene: &Scene<'_>,
+        by: f64,
+        patches: &'a mut Vec<LocalPatch>,
+        turned: bool,
+    ) -> Match<'a> {
+        let mut balls = Balls::new(&scene.positions, &scene.graph);
+        let nearest = |p: DVec3, from: u32| {
+            let all = from..scene.positions.len() as u32;
+            let d = |v: &u32| scene.positions[*v as usize].distance_squared(p);
+            all.min_by(|a, b| d(a).total_cmp(&d(b))).unwrap()
+        };
+        let middle = DVec3::new(1.5, 0.7, 0.0);
+        let centre = nearest(middle, scene.object.positions.len() as u32);
+        let there = nearest(middle + DVec3::X * by, 0);
+        patches.push(LocalPatch::of_source(scene, &mut balls, there, 0.48).unwrap());
+        let turn = if turned { -1.0 } else { 1.0 };
+        let transform = Rigid {
+            linear: glam::DMat3::from_diagonal(DVec3::new(turn, 1.0, 1.0)),
+            translation: DVec3::X * if turned { 3.0 + by } else { -by },
+        };
+        let target = LocalPatch::gather(scene, &mut balls, centre, 0.45);
+        Match { target, source: patches.last().unwrap(), transform, dissimilarity: 0.0 }
+    }
+
+    /// One patch a wave farther on: every vertex goes to the closest point of that wave, and as
+    /// the rim is there already, nothing is added.
+    #[test]
+    fn one_match_draws_the_target_onto_its_source() {
+        let object = waves(0.02);
+        let (target, _) = target_of(&object, 0).unwrap();
+        let scene = Scene::new(&object, &target);
+        let wanted = wanted_positions(&scene, &[matched(&scene, 1.0, &mut vec![], false)]);
+        assert!(target.new_vertices().len() > 200);
+        for (v, w) in wanted.iter().enumerate() {
+            assert!((w.z - wave(w.x)).abs() < 2e-3, "{v}: {w}");
+            assert!(w.distance(target.patch.positions[v]) < 0.25);
+            assert!(v >= target.patch.rim_count || *w == target.patch.positions[v]);
+        }
+    }
+
+    /// Where the source misses the rim by a constant, Eq. 7 takes that off everywhere.
+    #[test]
+    fn the_offset_at_the_rim_is_spread_inward() {
+        let object = waves(0.02);
+        let (target, _) = target_of(&object, 0).unwrap();
+        let scene = Scene::new(&object, &target);
+        let mut patches = vec![];
+        let mut lifted = matched(&scene, 1.0, &mut patches, false);
+        lifted.transform.translation += DVec3::Z * 0.005;
+        let wanted = wanted_positions(&scene, &[lifted]);
+        for w in &wanted {
+            assert!((w.z - wave(w.x)).abs() < 3e-3, "{w}");
+        }
+    }
+
+    /// Of two sources the one whose field agrees wins, by the fifth power: mirrored, the field along
+    /// x is turned round, and half a wave on the surface is another one.
+    #[test]
+    fn the_field_decides_between_sources() {
+        let object = waves(0.0);
+        let (target, _) = target_of(&object, 0).unwrap();
+        let scene = Scene::new(&object, &target);
+        let (mut first, mut second) = (vec![], vec![]);
+        let good = matched(&scene, 1.0, &mut first, false);
+        let bad = matched(&scene, 1.5, &mut second, true);
+        assert!(bad.transform.is_mirrored());
+        let wanted = wanted_positions(&scene, &[bad, good]);
+        for w in &wanted {
+            assert!((w.z - wave(w.x)).abs() < 2e-3, "{w}");
+        }
+    }
+}

@@ -1,5 +1,8 @@
 //! Harary, Tal and Grinspun (2014), "Context-based coherent surface completion", sec. 3 and 5: how
 //! far a completion is from being made of pieces of the object, and which pieces those are.
+//!
+//! Differences from the paper: the error is divided by the number of vertices, which mesh repair
+//! changes, and its root is taken, so that it is a length.
 
 use super::anchors::Match;
 use crate::descriptor::ball::Balls;
@@ -51,11 +54,12 @@ pub fn match_patches<'a>(
     Ok(matches)
 }
 
-/// The coherence error of Eq. 3 of what was matched, in square mesh units: the mean of D over the
-/// target patches. Infinite without any.
+/// The coherence error of what was matched (Eq. 3), as a root mean square over the vertices of the
+/// target patches, in mesh units. Infinite without any match.
 pub fn coherence_error(matches: &[Match<'_>]) -> f64 {
-    if matches.is_empty() {
+    let vertices: usize = matches.iter().map(|m| m.target.vertices.len()).sum();
+    if vertices == 0 {
         return f64::INFINITY;
     }
-    matches.iter().map(|m| m.dissimilarity).sum::<f64>() / matches.len() as f64
+    (matches.iter().map(|m| m.dissimilarity).sum::<f64>() / vertices as f64).sqrt()
 }

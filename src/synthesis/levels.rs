@@ -116,3 +116,58 @@ pub fn spread_centres(target: &Target, count: usize) -> Vec<usize> {
     }
     chosen
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::descriptor::curvature::tests::grid;
+    use crate::matching::object::tests::bare_object;
+
+    fn sheet(n: usize) -> Object {
+        let at = |u: f64, v: f64| DVec3::new(u, v, 0.1 * u * u);
+        let (positions, faces) = grid((n, n), (false, false), at);
+        bare_object(positions, faces, |p| p.distance(DVec3::new(0.5, 0.5, 0.0)) < 0.3)
+    }
+
+    #[test]
+    fn the_fine_completion_follows_the_coarse_one() {
+        let (fine_object, coarse_object) = (sheet(60), sheet(15));
+        let (mut fine, _) = target_of(&fine_object, 0).unwrap();
+        let (mut coarse, _) = target_of(&coarse_object, 0).unwrap();
+        let before = fine.patch.positions.clone();
+        follow(&mut fine, &coarse);
+        assert_eq!(fine.patch.positions, before);
+        for v in coarse.new_vertices() {
+            coarse.patch.positions[v].z += 1.0;
+        }
+        follow(&mut fine, &coarse);
+        for v in fine.new_vertices() {
+            let moved = fine.patch.positions[v] - before[v];
+            let inside = before[v].truncate().distance(DVec3::splat(0.5).truncate()) < 0.12;
+            assert!(moved.truncate().length() < 1e-12 && (-1e-9..=1.0 + 1e-9).contains(&moved.z));
+            assert!(!inside || moved.z > 0.99, "{} moved {moved}", before[v]);
+        }
+    }
+
+    #[test]
+    fn a_coarse_vertex_belongs_where_most_of_its_children_do() {
+        let parent = [0, 0, 0, 1, 1, NONE, 2];
+        let label = [5, NONE, NONE, 5, 3, 9, 4];
+        assert_eq!(most_frequent(&parent, &label, 4), vec![NONE, 3, 4, NONE]);
+    }
+
+    #[test]
+    fn centres_are_spread_over_the_completion() {
+        let object = sheet(60);
+        let (target, _) = target_of(&object, 0).unwrap();
+        assert_eq!(spread_centres(&target, 10_000).len(), target.new_vertices().len());
+        let chosen = spread_centres(&target, 50);
+        assert_eq!(chosen.len(), 50);
+        let far = |v: usize| {
+            let d = |w: &usize| target.patch.positions[*w].distance(target.patch.positions[v]);
+            chosen.iter().map(|w| d(w)).fold(f64::INFINITY, f64::min)
+        };
+        // Fifty discs of this radius cover a disc of 0.3.
+        assert!(target.new_vertices().all(|v| far(v) < 0.075));
+    }
+}

@@ -114,3 +114,71 @@ fn compact(target: &mut Target) {
     target.centre.retain(|_| *kept.next().unwrap_or(&true));
     patch.compact();
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::descriptor::curvature::tests::grid;
+    use crate::matching::object::tests::bare_object;
+    use crate::synthesis::levels::target_of;
+    use glam::DVec3;
+
+    /// A sheet of unit edges with a completion in its middle.
+    fn target() -> Target {
+        let at = |u: f64, v: f64| DVec3::new(20.0 * u, 20.0 * v, 0.0);
+        let (positions, faces) = grid((20, 20), (false, false), at);
+        let object = bare_object(positions, faces, |p| p.distance(DVec3::new(9.5, 9.5, 0.0)) < 5.0);
+        let mut target = target_of(&object, 0).unwrap().0;
+        target.patch.sizes.fill(1.0);
+        target
+    }
+
+    fn check(target: &Target, rim: &[DVec3]) {
+        let patch = &target.patch;
+        assert_eq!(&patch.positions[..patch.rim_count], rim);
+        for count in [target.traits.len(), target.rest.len(), target.centre.len()] {
+            assert_eq!(count, patch.positions.len());
+        }
+        // Every edge but the rim's has its two triangles.
+        for (t, across) in patch.across.iter().enumerate() {
+            for k in 0..3 {
+                let ends = [patch.triangles[t][k], patch.triangles[t][next(k)]];
+                assert!(across[k] != NONE || ends.iter().all(|&v| patch.is_rim(v)));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_well_stays() {
+        let mut target = target();
+        let before = target.patch.positions.clone();
+        repair(&mut target, &[]);
+        assert_eq!(target.patch.positions, before);
+    }
+
+    #[test]
+    fn long_edges_are_split_and_thin_triangles_collapsed() {
+        let mut target = target();
+        let rim = target.patch.positions[..target.patch.rim_count].to_vec();
+        let count = target.patch.positions.len();
+        target.patch.sizes.fill(0.5);
+        target.centre[count - 1] = 7;
+        repair(&mut target, &[]);
+        assert!(target.patch.positions.len() > 2 * count);
+        check(&target, &rim);
+        // Half a thousandth apart: needles, which go again; the target patch stays with a vertex.
+        target.patch.sizes.fill(1.0);
+        let mut fan = Vec::new();
+        let before = target.patch.positions.len();
+        for v in (target.patch.rim_count..before).step_by(5) {
+            target.patch.fan(v as u32, &mut fan);
+            let (t, k) = fan[0];
+            let w = target.patch.triangles[t as usize][next(k)];
+            target.patch.positions[v] = target.patch.p(w).lerp(target.patch.positions[v], 1e-3);
+        }
+        repair(&mut target, &[]);
+        assert!(target.patch.positions.len() < before);
+        check(&target, &rim);
+        assert_eq!(target.centre.iter().filter(|&&c| c == 7).count(), 1);
+    }
+}
