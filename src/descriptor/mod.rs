@@ -13,6 +13,8 @@ pub mod patch_signature;
 pub mod prolong;
 pub mod simplify;
 pub mod spectrum;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use crate::error::Result;
 use crate::progress::Monitor;

@@ -28,9 +28,12 @@ pub enum Cost {
 
 /// Weight w of the squared distances to vertices, see the top. Measured on a head of 134k vertices:
 /// see `docs/spectrum.md`.
-const UNIFORM_SPREAD: f64 = 0.3;
+const UNIFORM_SPREAD: f64 = 0.1;
 /// The same for [`Cost::Quadric`]: small against 1, large against rounding.
 const QUADRIC_SPREAD: f64 = 1e-3;
+/// Weight of the planes that hold a boundary, in squares of its edges. Own choice; the paper says
+/// "a large penalty".
+const BOUNDARY_WEIGHT: f64 = 10.0;
 /// Least cosine between the normals of a face before and after a collapse (about 75°); meshoptimizer
 /// takes the same.
 const LEAST_COSINE: f64 = 0.25;
@@ -383,7 +386,8 @@ impl Mesh {
                 let [a, b, c] = self.faces[f as usize].map(|v| self.positions[v as usize]);
                 let (p, q) = (self.positions[u as usize], self.positions[w as usize]);
                 let across = (b - a).cross(c - a).cross(q - p).normalize_or_zero();
-                let plane = Quadric::plane(across, -across.dot(p), p.distance_squared(q));
+                let weight = BOUNDARY_WEIGHT * p.distance_squared(q);
+                let plane = Quadric::plane(across, -across.dot(p), weight);
                 for v in [u as usize, w as usize] {
                     quadrics[v].add(&plane);
                     boundary_edges[v] = boundary_edges[v].saturating_add(1);
