@@ -1,3 +1,4 @@
 //! Where on the object something like the surroundings of a hole is found, and how it is laid there.
 
+pub mod consistent;
 pub mod rigid;
