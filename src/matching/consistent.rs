@@ -13,7 +13,9 @@ use super::rigid::Rigid;
 use crate::descriptor::ball::{Balls, VertexGraph};
 use crate::descriptor::heat::TimeScale;
 use crate::descriptor::laplacian::lumped_masses;
-use crate::descriptor::patch_signature::{Index, Moments, Surface, SEARCH_DIMENSIONS};
+use crate::descriptor::patch_signature::{
+    Index, Moments, Parts, Scale, Surface, SEARCH_DIMENSIONS,
+};
 use crate::descriptor::spectrum::Random;
 use crate::descriptor::Spectral;
 use crate::error::Result;
@@ -40,8 +42,8 @@ pub struct Proposal {
 
 /// Samples of three pairs. Measured: `docs/spectrum.md`.
 const SAMPLES: usize = 8192;
-/// How many of the best samples are refined.
-const REFINED: usize = 100;
+/// How many of the best distinct samples are refined.
+const REFINED: usize = 60;
 /// Fits to all pairs that agree, each.
 const REFITS: usize = 4;
 /// Proposals returned at most.
@@ -53,6 +55,8 @@ const LEAST_COSINE: f64 = 0.5;
 const LEAST_SPAN: f64 = 2.0;
 /// Proposals that are in the mean less than this many tolerances apart are the same one.
 const SAME: f64 = 2.0;
+/// Targets that two proposals are compared at.
+const PROBES: usize = 16;
 /// Seed of the samples.
 const SEED: u64 = 0x5eed;
 
@@ -75,7 +79,6 @@ pub fn find_consistent(
     for i in 0..SAMPLES {
         if i % 256 == 0 {
             monitor.check()?;
-            keep_best(&mut found, REFINED);
         }
         let Some(sample) = pairs.draw(&mut random) else { continue };
         for mirrored in [false, true] {
@@ -86,19 +89,13 @@ pub fn find_consistent(
             }
         }
     }
-    keep_best(&mut found, REFINED);
+    // Distinct ones before the refinement, lest all be the same place; and again after it.
+    let mut found = pairs.without_repetition(found, REFINED);
     for proposal in &mut found {
         monitor.check()?;
         pairs.refine(proposal);
     }
-    keep_best(&mut found, REFINED);
-    Ok(pairs.without_repetition(found))
-}
-
-/// Most votes first; of equal ones the order stays.
-fn keep_best(found: &mut Vec<Proposal>, count: usize) {
-    found.sort_by_key(|p| std::cmp::Reverse(p.votes));
-    found.truncate(count);
+    Ok(pairs.without_repetition(found, MOST))
 }
 
 struct Pairs<'a> {
@@ -162,14 +159,13 @@ impl Pairs<'_> {
     fn refine(&self, proposal: &mut Proposal) {
         for _ in 0..REFITS {
             let now = proposal.transform;
-            let nearest = |(t, all): (&Place, &Vec<Place>)| {
-                let off = |s: &Place| now.point(s.point).distance_squared(t.point);
+            // All that agree, not the nearest of each target: that one would confirm the error.
+            let agreeing = |(t, all): (&Place, &Vec<Place>)| {
                 let agreeing = all.iter().filter(|s| self.agree(&now, s, t));
-                let best = agreeing.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-                Some((best.point, t.point, 1.0))
+                agreeing.map(|s| (s.point, t.point, 1.0)).collect::<Vec<_>>()
             };
             let pairs: Vec<_> =
-                self.targets.iter().zip(self.candidates).filter_map(nearest).collect();
+                self.targets.iter().zip(self.candidates).flat_map(agreeing).collect();
             let kind = Some(now.is_mirrored());
             let Some(transform) = Rigid::fit(pairs.into_iter(), kind) else { return };
             let votes = self.votes(&transform);
@@ -180,19 +176,29 @@ impl Pairs<'_> {
         }
     }
 
-    /// Drops what takes the targets to nearly the same places as a better one does.
-    fn without_repetition(&self, found: Vec<Proposal>) -> Vec<Proposal> {
+    /// The `most` best ones, most votes first, without what takes the targets to nearly the same
+    /// places as a better one does.
+    fn without_repetition(&self, mut found: Vec<Proposal>, most: usize) -> Vec<Proposal> {
+        // Of equal ones the order stays.
+        found.sort_by_key(|p| std::cmp::Reverse(p.votes));
+        let probes: Vec<DVec3> = {
+            let step = self.targets.len().div_ceil(PROBES).max(1);
+            self.targets.iter().step_by(step).map(|t| t.point).collect()
+        };
         let mut kept: Vec<(Proposal, Vec<DVec3>)> = Vec::new();
         for proposal in found {
             let back = proposal.transform.inverse();
-            let places: Vec<DVec3> = self.targets.iter().map(|t| back.point(t.point)).collect();
+            let places: Vec<DVec3> = probes.iter().map(|&p| back.point(p)).collect();
             let is_same = |(other, others): &(Proposal, Vec<DVec3>)| {
                 let sum: f64 = places.iter().zip(others).map(|(a, b)| a.distance(*b)).sum();
                 other.transform.is_mirrored() == proposal.transform.is_mirrored()
                     && sum < SAME * self.tolerance * places.len() as f64
             };
-            if kept.len() < MOST && !kept.iter().any(is_same) {
+            if !kept.iter().any(is_same) {
                 kept.push((proposal, places));
+                if kept.len() == most {
+                    break;
+                }
             }
         }
         kept.into_iter().map(|k| k.0).collect()
@@ -275,11 +281,12 @@ pub fn match_patches(
     let mass = lumped_masses(positions, filled.faces);
     let prolongation = &spectral.prolongation;
     let surface = Surface { positions, graph: &graph, mass: &mass, prolongation };
-    let heat = spectral.heat(TimeScale::Logarithmic);
-    let describe = |centres: &[u32]| Moments::new(surface, &heat, centres, radius, monitor);
-    let index = Index::new(describe(&sources)?.relative(), SEARCH_DIMENSIONS, monitor)?;
+    let heat = spectral.heat(TimeScale::Linear);
+    let describe =
+        |centres: &[u32]| Moments::new(surface, &heat, centres, radius, Parts::Mean, monitor);
+    let index = Index::new(describe(&sources)?.late(), Scale::Spread, SEARCH_DIMENSIONS, monitor)?;
     let k = (sources.len() / 1000).max(LEAST_CANDIDATES);
-    let found = index.nearest(&describe(&targets)?.relative(), k, monitor)?;
+    let found = index.nearest(&describe(&targets)?.late(), k, monitor)?;
     let normals = vertex_normals(positions, filled.faces);
     let place = |v: u32| Place { point: positions[v as usize], normal: normals[v as usize] };
     let candidates =

@@ -1,6 +1,8 @@
 use super::super::ball::{Balls, VertexGraph};
 use super::super::heat::TimeScale;
-use super::super::patch_signature::{Domain, Index, Moments, Surface, SEARCH_DIMENSIONS};
+use super::super::patch_signature::{
+    Domain, Index, Moments, Parts, Scale, Surface, SEARCH_DIMENSIONS,
+};
 use super::super::{laplacian, Spectral};
 use super::{potato, sphere, square, Shape};
 use crate::progress::Monitor;
@@ -15,7 +17,8 @@ fn moments((p, f): &Shape, scale: TimeScale, centres: &[u32], radius: f64) -> Mo
         mass: &laplacian::lumped_masses(p, f),
         prolongation: &spectral.prolongation,
     };
-    Moments::new(surface, &spectral.heat(scale), centres, radius, &monitor).unwrap()
+    Moments::new(surface, &spectral.heat(scale), centres, radius, Parts::MeanAndVariance, &monitor)
+        .unwrap()
 }
 
 #[test]
@@ -46,10 +49,8 @@ fn signatures_do_not_change_with_the_pose() {
     for (scale, tolerance) in [(a, 1e-3), (b, 1e-3)] {
         let x = moments(&shape, scale, &centres, 0.3);
         let y = moments(&moved, scale, &centres, 0.3);
-        let pairs = [
-            (x.relative(), y.relative()),
-            (x.paper(Domain::LowerHalf), y.paper(Domain::LowerHalf)),
-        ];
+        let pairs =
+            [(x.late(), y.late()), (x.paper(Domain::LowerHalf), y.paper(Domain::LowerHalf))];
         for (x, y) in pairs {
             for (x, y) in x.rows.iter().zip(&y.rows) {
                 assert!((x - y).abs() <= tolerance * x.abs().max(0.1), "{scale:?} {x} {y}");
@@ -102,9 +103,9 @@ fn the_nearest_patch_is_the_twin() {
     assert!(targets.len() > 20);
     let shape = (p.clone(), f);
     let monitor = Monitor::silent();
-    let source = moments(&shape, TimeScale::Logarithmic, &right, 0.25).relative();
-    let target = moments(&shape, TimeScale::Logarithmic, &targets, 0.25).relative();
-    let index = Index::new(source, SEARCH_DIMENSIONS, &monitor).unwrap();
+    let source = moments(&shape, TimeScale::Linear, &right, 0.25).late();
+    let target = moments(&shape, TimeScale::Linear, &targets, 0.25).late();
+    let index = Index::new(source, Scale::Spread, SEARCH_DIMENSIONS, &monitor).unwrap();
     let found = index.nearest(&target, 5, &monitor).unwrap();
     let mut hits = 0;
     for (t, near) in targets.iter().zip(&found) {
