@@ -2,3 +2,5 @@
 
 pub mod consistent;
 pub mod rigid;
+#[cfg(test)]
+mod tests;
