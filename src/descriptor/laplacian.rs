@@ -86,7 +86,8 @@ pub fn lumped_masses(positions: &[DVec3], faces: &[[u32; 3]]) -> Vec<f64> {
 /// Lifts masses near zero to a small part of their mean.
 pub fn lift_masses(mass: &mut [f64]) {
     let mean = mass.iter().sum::<f64>() / mass.len().max(1) as f64;
-    let least = (LEAST_MASS * mean).max(f64::MIN_POSITIVE);
+    // Without any area the unit does not matter.
+    let least = LEAST_MASS * if mean > 0.0 && mean.is_finite() { mean } else { 1.0 };
     mass.iter_mut().for_each(|m| *m = m.max(least));
 }
 

@@ -17,6 +17,8 @@ pub mod prolong;
 pub mod ridges;
 pub mod simplify;
 pub mod spectrum;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use crate::error::Result;
 use crate::progress::Monitor;

@@ -21,6 +21,9 @@ use glam::DVec3;
 const BLOCK: usize = 16;
 /// Basis vectors for each pair wanted: 480 for 300 have the heat kernel right to 1e-3.
 const BASIS_RATIO: f64 = 1.6;
+/// Steps beyond the pairs wanted at least: with few pairs the ratio alone is a few steps, which do
+/// not converge. Own choice; does not bind at 300 pairs.
+const LEAST_STEPS: usize = 10;
 /// Up to this many vertices a dense solve is as fast (0.1 s), and exact.
 const DENSE: usize = 512;
 /// The shift s of (L + s M)⁻¹, in units of 1/area: far below the eigenvalues that matter (λ₂ of a
@@ -67,7 +70,7 @@ impl Spectrum {
         let wanted = pairs.saturating_sub(1).min(n - kernel.mass.len());
         let (values, vectors) = if wanted == 0 {
             (Vec::new(), Mat::zeros(n, 0))
-        } else if n <= DENSE.max((wanted as f64 * BASIS_RATIO) as usize + 2 * BLOCK) {
+        } else if n <= DENSE.max(basis_size(wanted) + 2 * BLOCK) {
             solve_dense(&stiffness, &mass, &kernel, wanted).ok_or_else(no_convergence)?
         } else {
             solve_sparse(&stiffness, &mass, &kernel, wanted, monitor)?
@@ -89,6 +92,12 @@ impl Spectrum {
     pub fn last_value(&self) -> Option<f64> {
         self.values.last().copied()
     }
+}
+
+/// Basis vectors for so many pairs: whole blocks.
+fn basis_size(wanted: usize) -> usize {
+    let size = ((wanted as f64 * BASIS_RATIO) as usize).max(wanted + LEAST_STEPS * BLOCK);
+    size.next_multiple_of(BLOCK)
 }
 
 fn no_convergence() -> Error {
@@ -235,8 +244,8 @@ fn solve_sparse(
     let n = mass.len();
     let mut inverse = Inverse::new(l, mass, kernel).ok_or_else(no_convergence)?;
     monitor.check()?;
-    let steps = ((wanted as f64 * BASIS_RATIO) as usize).div_ceil(BLOCK);
-    let size = steps * BLOCK;
+    let size = basis_size(wanted);
+    let steps = size / BLOCK;
     let mut basis = Mat::<f64>::zeros(n, size);
     // Vᵀ A V, lower triangle.
     let mut projected = Mat::<f64>::zeros(size, size);

@@ -50,7 +50,7 @@ impl Sources {
         let centres: Vec<u32> = all.into_iter().step_by(step).collect();
         let index = describe(object, &centres, radius, monitor)?
             .into_iter()
-            .map(|signatures| Index::new(signatures, SEARCH_DIMENSIONS, monitor))
+            .map(|signatures| Index::new(signatures, Scale::Given, SEARCH_DIMENSIONS, monitor))
             .collect::<Result<_>>()?;
         Ok(Self { centres, index, radius })
     }
@@ -116,7 +116,14 @@ fn describe(
 ) -> Result<Vec<Signatures>> {
     let mut all = vec![Signatures::default(); Domain::ALL.len()];
     for block in centres.chunks(BLOCK) {
-        let moments = Moments::new(object.surface(), &object.heat, block, radius, monitor)?;
+        let moments = Moments::new(
+            object.surface(),
+            &object.heat,
+            block,
+            radius,
+            Parts::MeanAndVariance,
+            monitor,
+        )?;
         for (signatures, domain) in all.iter_mut().zip(Domain::ALL) {
             let part = moments.paper(domain);
             signatures.dim = part.dim;
