@@ -10,7 +10,9 @@
 
 use super::object::Object;
 use crate::descriptor::ball::Balls;
-use crate::descriptor::patch_signature::{Domain, Index, Moments, Signatures, SEARCH_DIMENSIONS};
+use crate::descriptor::patch_signature::{
+    Domain, Index, Moments, Parts, Scale, Signatures, SEARCH_DIMENSIONS,
+};
 use crate::error::Result;
 use crate::mesh::neighbourhood::NONE;
 use crate::progress::Monitor;
