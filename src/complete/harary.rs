@@ -260,12 +260,13 @@ fn step(patch: &mut Patch) {
 
 /// The mesh with all its initial completions, and the vertex of it that each patch vertex is.
 fn completed_mesh(mesh: MeshView<'_>, initial: &[Initial<'_>]) -> (Parts, Vec<Vec<u32>>) {
-    let mut parts = Parts::default();
-    parts.positions = (0..mesh.vertices.len()).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
+    let positions: Vec<DVec3> =
+        (0..mesh.vertices.len()).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
     let has_corners = |f: &[u32; 3]| f[0] != f[1] && f[1] != f[2] && f[2] != f[0];
-    parts.faces = (0..mesh.faces.len()).map(|f| mesh.faces.get(f)).filter(has_corners).collect();
-    parts.hole_of_face = vec![NONE; parts.faces.len()];
-    parts.hole_of_vertex = vec![NONE; parts.positions.len()];
+    let faces: Vec<[u32; 3]> =
+        (0..mesh.faces.len()).map(|f| mesh.faces.get(f)).filter(has_corners).collect();
+    let (hole_of_face, hole_of_vertex) = (vec![NONE; faces.len()], vec![NONE; positions.len()]);
+    let mut parts = Parts { positions, faces, hole_of_face, hole_of_vertex };
     let mut origins = Vec::with_capacity(initial.len());
     for (hole, Initial { rim, patch, .. }) in initial.iter().enumerate() {
         let (first, new) = (parts.positions.len() as u32, &patch.positions[patch.rim_count..]);

@@ -94,13 +94,12 @@ pub fn run<T: Send>(
     all.map(|(i, result)| result.unwrap_or_else(|| missing(i))).collect()
 }
 
+/// One long job: gets a monitor to check and a function to report the fraction done to.
+pub type LongJob<'a, T> = &'a (dyn Fn(&Monitor, &dyn Fn(f64)) -> Result<T> + Sync);
+
 /// Does one long job on a thread of its own, while this one asks the progress function whether to
-/// go on. The job gets a monitor to check and a function to report the fraction done to.
-pub fn beside<T: Send>(
-    monitor: &Monitor,
-    stage: &str,
-    job: &(dyn Fn(&Monitor, &dyn Fn(f64)) -> Result<T> + Sync),
-) -> Result<T> {
+/// go on.
+pub fn beside<T: Send>(monitor: &Monitor, stage: &str, job: LongJob<'_, T>) -> Result<T> {
     let inner = Monitor::silent();
     let done = AtomicUsize::new(0);
     let report = |part: f64| done.store((1e6 * part) as usize, Ordering::Relaxed);

@@ -73,7 +73,7 @@ pub fn principal_curvatures(
     let mut rings_of = Rings::new(positions.len());
     let mut result = Vec::with_capacity(positions.len());
     for v in 0..positions.len() as u32 {
-        if v as usize % BLOCK == 0 {
+        if (v as usize).is_multiple_of(BLOCK) {
             monitor.check()?;
         }
         rings_of.gather(v, faces, incidence, rings);

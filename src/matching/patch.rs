@@ -138,7 +138,8 @@ pub fn nuclear_norm(m: DMat3) -> f64 {
         let s = x * x - 1.0;
         let slope = x * s - 2.0 * d;
         let step = (0.25 * s * s - q - 2.0 * d * x) / slope;
-        if !(step > 1e-13) {
+        // Not a number where the slope vanishes: at the root.
+        if step.is_nan() || step <= 1e-13 {
             break;
         }
         x -= step;

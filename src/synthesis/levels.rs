@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(chosen.len(), 50);
         let far = |v: usize| {
             let d = |w: &usize| target.patch.positions[*w].distance(target.patch.positions[v]);
-            chosen.iter().map(|w| d(w)).fold(f64::INFINITY, f64::min)
+            chosen.iter().map(d).fold(f64::INFINITY, f64::min)
         };
         // Fifty discs of this radius cover a disc of 0.3.
         assert!(target.new_vertices().all(|v| far(v) < 0.075));
