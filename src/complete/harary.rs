@@ -36,10 +36,9 @@ use crate::synthesis::repair::repair;
 use glam::DVec3;
 use std::collections::HashSet;
 
-/// Target patches of a hole and level at most: on the largest hole tried (1,346 vertices) all
-/// of them would take a half longer.
+/// Target patches of a hole and level at most: bounds the cost, which is in proportion.
 const MOST_TARGETS: usize = 800;
-/// Rounds of matching and moving at most; nearly all end after one or two.
+/// Rounds of matching and moving at most; most holes end after one.
 const MOST_ROUNDS: usize = 5;
 /// Steps of an update (Q, sec. 6).
 const STEPS: usize = 10;

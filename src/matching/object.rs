@@ -10,8 +10,8 @@ use crate::fill::sheet::Incidence;
 use crate::mesh::neighbourhood::NONE;
 use glam::DVec3;
 
-/// Principal components of the heat kernel signature that correspondences are found by. On the
-/// models measured the sixth spreads less than a thousandth of the first.
+/// Principal components of the heat kernel signature that correspondences are found by. The sixth
+/// spreads 0.2 to 0.7 % as much as the first on a head, a column, an animal and a relief.
 pub const HEAT: usize = 6;
 
 /// What matching knows of a vertex beside its position.

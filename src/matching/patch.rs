@@ -8,7 +8,7 @@
 //!
 //! Differences from the paper:
 //! - Signatures are compared by their first principal components ([`HEAT`]), not by all hundred
-//!   times: the same nearest vertices but for rounding.
+//!   times: what is left out is below a hundredth of their spread.
 //! - The minimum is Σ|p|² + Σ|q|² − 2 (σ₁ + σ₂ + σ₃), with p and q the vertices relative to the
 //!   centres and σ the singular values of Σ p qᵀ, so candidates are ranked without a rotation.
 

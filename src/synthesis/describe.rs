@@ -18,8 +18,8 @@ use crate::progress::Monitor;
 use glam::DVec3;
 
 /// Least ∫ |k| ds of a ridge or valley, without unit. Own choice, as neither paper gives a number: a
-/// line that is not as long as its radius of curvature is noise. Halving or doubling it changes
-/// the fields at the holes tried little, since they are smoothed anyway.
+/// line that is not as long as its radius of curvature is noise. With 0.5 and 2 the mean distances
+/// on a column, a relief and a lamp change by up to 17 %, without a trend.
 const LEAST_STRENGTH: f64 = 1.0;
 
 /// A completed mesh whose parts are told apart.
