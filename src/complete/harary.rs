@@ -80,6 +80,9 @@ pub fn complete_holes_harary(
     monitor: &Monitor,
     progress: &dyn Fn(f64),
 ) -> Result<Vec<Coherent>> {
+    if initial.is_empty() {
+        return Ok(Vec::new());
+    }
     let (parts, origins) = completed_mesh(mesh, initial);
     let fine = describe(parts, RINGS, monitor)?;
     progress(0.2);
@@ -89,7 +92,7 @@ pub fn complete_holes_harary(
 
     let radius = (COARSE_PATCH * coarse.area() / std::f64::consts::PI).sqrt();
     let sources = Sources::new(&coarse, radius, monitor)?;
-    let mut results = Vec::with_capacity(initial.len());
+    let mut coarse_results = Vec::with_capacity(initial.len());
     let mut matched = HashSet::new();
     for hole in 0..initial.len() as u32 {
         let mut moved = None;
@@ -99,11 +102,10 @@ pub fn complete_holes_harary(
             matched.extend(rounds.matched);
             moved = rounds.targets.into_iter().last();
         }
-        results.push(moved);
-        progress(0.25 + 0.2 * results.len() as f64 / initial.len() as f64);
+        coarse_results.push(moved);
+        progress(0.25 + 0.2 * coarse_results.len() as f64 / initial.len() as f64);
     }
 
-    let coarse_results = results;
     let sources = Sources::new(&fine, fine_radius(&fine, &parent, &matched), monitor)?;
     progress(0.6);
     let mut results = Vec::with_capacity(initial.len());
