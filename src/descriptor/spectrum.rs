@@ -3,7 +3,7 @@
 //! shift and invert).
 //!
 //! Differences from the papers:
-//! - One pass: a basis of [`BASIS_RATIO`] times the pairs wanted, full reorthogonalisation, no
+//! - One pass: a basis of `BASIS_RATIO` times the pairs wanted, full reorthogonalisation, no
 //!   restart. The last pairs are then not converged, which the heat kernel does not feel: there
 //!   exp(−λ t) is below 1e-4 at all its times (measured: `docs/spectrum.md`).
 //! - The kernel is known, one constant a component, so it is projected out instead of computed.
