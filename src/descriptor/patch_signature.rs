@@ -13,12 +13,11 @@
 //!   a little of that within coarse triangles.
 
 use super::ball::{Balls, VertexGraph};
-use super::dense::symmetric_eigen;
 use super::heat::Heat;
+use super::principal::principal_axes;
 use super::prolong::Prolongation;
 use crate::error::Result;
 use crate::progress::Monitor;
-use faer::Mat;
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
@@ -291,32 +290,12 @@ impl Index {
             Scale::Given => vec![1.0; dim],
             Scale::Spread => one_over_spread(&source, &mean),
         };
-        let mut covariance = Mat::<f64>::zeros(dim, dim);
-        // At most this many rows, evenly spread, decide the axes.
-        let step = n.div_ceil(1 << 13).max(1);
-        let mut row = vec![0.0; dim];
-        for i in (0..n).step_by(step) {
-            if i % BEAT == 0 {
-                monitor.check()?;
-            }
+        let centred = |i: usize, out: &mut [f64]| {
             for k in 0..dim {
-                row[k] = (f64::from(source.row(i)[k]) - mean[k]) * factor[k];
+                out[k] = (f64::from(source.row(i)[k]) - mean[k]) * factor[k];
             }
-            for b in 0..dim {
-                let factor = row[b];
-                let column = covariance.col_mut(b).subrows_mut(b, dim - b);
-                column.iter_mut().zip(&row[b..]).for_each(|(c, r)| *c += factor * r);
-            }
-        }
-        let used = dimensions.min(dim);
-        let axes: Vec<Vec<f64>> = match symmetric_eigen(covariance.as_ref()) {
-            Some((_, u)) => {
-                let axis = |k: usize| (0..dim).map(|i| u[(i, dim - 1 - k)]).collect();
-                (0..used).map(axis).collect()
-            }
-            // All of them, then: slower, not wrong.
-            None => (0..dim).map(|k| (0..dim).map(|i| f64::from(i == k)).collect()).collect(),
         };
+        let axes = principal_axes(dim, dimensions, n, centred, monitor)?;
         let mut index = Self { source, mean, factor, axes, columns: Vec::new() };
         index.columns = vec![vec![0.0; n]; index.axes.len()];
         let mut components = vec![0.0; index.axes.len()];

@@ -42,7 +42,7 @@ pub fn describe(parts: Parts, rings: usize, monitor: &Monitor) -> Result<Object>
     let heat = spectral.heat(TimeScale::Linear);
     monitor.check()?;
     let coarse_count = spectral.coarse.positions.len();
-    let principal = Principal::new(|i| heat.row(i), coarse_count, heat.times.len(), HEAT);
+    let principal = Principal::new(|i| heat.row(i), coarse_count, heat.times.len(), HEAT, monitor)?;
     let components: Vec<[f64; HEAT]> = (0..coarse_count)
         .map(|i| {
             let mut all = principal.components(heat.row(i));
