@@ -9,7 +9,7 @@
 //!
 //! Differences from the paper:
 //! - Algorithm 1 ends at the first update that does not lower the error. The first update stands all
-//!   the same, since on nearly every object tried it raises the error a little; a later one that
+//!   the same, since it raises the error, a little, at half of the holes tried; a later one that
 //!   does is undone.
 //! - Not every vertex of a large hole is the centre of a target patch: [`MOST_TARGETS`], spread
 //!   evenly. With patches of 30 to 400 vertices each vertex still lies in dozens.
