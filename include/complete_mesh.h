@@ -89,6 +89,8 @@ typedef enum complete_mesh_method {
   // Coherent completion, which continues what the object shows. Not in this version:
   // COMPLETE_MESH_STATUS_UNSUPPORTED.
   COMPLETE_MESH_METHOD_COHERENT = 1,
+  // Coherent completion as Harary, Tal and Grinspun (2014) describe it, to compare with; slow.
+  COMPLETE_MESH_METHOD_HARARY = 2,
 } complete_mesh_method;
 
 // The smooth surface that a hole is filled with.

@@ -19,12 +19,13 @@
 //! [`Error`] and nothing half done. The bytes of the result do not depend on the thread count.
 //!
 //! Modules in the order data flows: [`mesh`] → [`holes`] → [`fill`] → [`intersect`] →
-//! [`complete`] → [`result`]. `capi` is the C face of the same calls; `io`, `sample`, `picture`
-//! and `cli` serve the command line.
+//! [`descriptor`] → [`matching`] → [`complete`] → [`result`]. `capi` is the C face of the same
+//! calls; `io`, `sample`, `picture` and `cli` serve the command line.
 
 #[cfg(feature = "capi")]
 pub mod capi;
 pub mod complete;
+pub mod descriptor;
 pub mod error;
 pub mod fill;
 pub mod holes;
@@ -36,6 +37,7 @@ pub mod mesh;
 pub mod options;
 pub mod progress;
 pub mod result;
+pub mod synthesis;
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -12,6 +12,9 @@ pub enum Method {
     /// Coherent completion (Harary, Tal, Grinspun 2014): continues what the object shows. Not in
     /// this version: asking for it is [`Error::Unsupported`], never a silent smooth fill.
     Coherent,
+    /// Coherent completion as Harary, Tal and Grinspun (2014) describe it, step by step, to compare
+    /// with. Slower than [`Method::Coherent`]; see `docs/harary.md`.
+    Harary,
 }
 
 impl Method {
@@ -20,6 +23,7 @@ impl Method {
         match self {
             Method::Smooth => "smooth",
             Method::Coherent => "coherent",
+            Method::Harary => "harary",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a completion returns.
 
 use crate::error::{Error, Problem};
-use crate::options::Fairing;
+use crate::options::{Fairing, Method};
 use std::ops::Range;
 
 /// What became of one hole.
@@ -26,6 +26,11 @@ pub struct HoleReport {
     pub loops: Vec<usize>,
     /// What became of it.
     pub status: HoleStatus,
+    /// The method that made the fill: a smooth one where nothing on the object served.
+    pub method: Method,
+    /// Coherence error (Harary et al. 2014, Eq. 3, root mean square, in mesh units) of the initial
+    /// completion and of the fill; `None` where no source was looked for.
+    pub coherence_error: Option<[f64; 2]>,
     /// The fairing that was used; never `Auto` on a filled hole.
     pub fairing: Fairing,
     /// Its vertices in [`Completion::vertices`].

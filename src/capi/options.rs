@@ -23,6 +23,8 @@ pub enum CMethod {
     /// Coherent completion, which continues what the object shows. Not in this version:
     /// COMPLETE_MESH_STATUS_UNSUPPORTED.
     Coherent = 1,
+    /// Coherent completion as Harary, Tal and Grinspun (2014) describe it, to compare with; slow.
+    Harary = 2,
 }
 
 /// The smooth surface that a hole is filled with.
@@ -297,6 +299,7 @@ impl COptions {
             method: match self.method {
                 0 => Method::Smooth,
                 1 => Method::Coherent,
+                2 => Method::Harary,
                 other => return Err(unknown("method", other, "complete_mesh_method")),
             },
             fairing: *Fairing::ALL

@@ -2,6 +2,7 @@
 //! together.
 
 mod check;
+pub mod harary;
 mod smooth;
 mod workers;
 
@@ -11,7 +12,7 @@ use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
-use crate::options::{Fairing, Grouping, Options};
+use crate::options::{Fairing, Grouping, Method, Options};
 use crate::progress::Monitor;
 use crate::result::{Completion, HoleReport, HoleStatus};
 use check::{Obstacles, Rounding};
@@ -98,6 +99,9 @@ impl<'a> Completer<'a> {
             let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
             self.fill_one(&around, &obstacles, todo[i], check)
         })?;
+        if options.method == Method::Harary {
+            self.make_coherent(&around, &boxes, &mut outcomes, monitor)?;
+        }
         monitor.step(0.95, "checking the fills against each other")?;
         self.part_fills(&around, &boxes, &todo, &mut outcomes, monitor)?;
         let mut completion = self.assemble(&near, &wanted, &todo, outcomes, options)?;
@@ -153,6 +157,43 @@ impl<'a> Completer<'a> {
         let filled = fill_hole(around, &loops, obstacles, check)?;
         let seconds = clock.elapsed().as_secs_f64();
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
+    }
+
+    /// The smooth fills made coherent with the object (Harary et al. 2014): of each hole the most
+    /// coherent one that keeps the contract, the smooth one at the worst.
+    fn make_coherent(
+        &self,
+        around: &Surroundings<'_>,
+        boxes: &[Bounds],
+        outcomes: &mut [Outcome],
+        monitor: &Monitor,
+    ) -> Result<()> {
+        let mut fills: Vec<&mut Fill> =
+            outcomes.iter_mut().filter_map(|o| o.as_mut().ok()).map(|o| &mut o.0).collect();
+        let input = |&v: &u32| around.near.vertices[v as usize];
+        let initial: Vec<harary::Initial<'_>> = fills
+            .iter()
+            .map(|fill| harary::Initial {
+                rim: fill.outline.vertices.iter().map(input).collect(),
+                patch: &fill.patch,
+                taken: &fill.outline.taken,
+            })
+            .collect();
+        let made = workers::beside(monitor, "continuing what the object shows", &|inner, done| {
+            harary::complete_holes_harary(self.mesh, &initial, inner, done)
+        })?;
+        let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &[] };
+        for (fill, coherent) in fills.iter_mut().zip(made) {
+            fill.coherence_error = Some(coherent.errors).filter(|e| e[0].is_finite());
+            for patch in coherent.patches {
+                monitor.check()?;
+                if let Ok(settled) = obstacles.settle(around, patch, &|| monitor.check())? {
+                    (fill.patch, fill.method) = (settled, Method::Harary);
+                    break;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Fills made side by side may meet: the later one is then made again around the earlier.
@@ -237,6 +278,8 @@ impl<'a> Completer<'a> {
                     report.vertices = first_vertex..first_vertex + vertices;
                     report.faces = first_face..out.faces.len();
                     report.status = HoleStatus::Filled;
+                    report.method = fill.method;
+                    report.coherence_error = fill.coherence_error;
                     report.fairing = fill.fairing;
                     report.seconds = seconds;
                 }
@@ -263,6 +306,8 @@ fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
         hole: hole.id,
         loops: hole.loops.clone(),
         status,
+        method: Method::Smooth,
+        coherence_error: None,
         fairing: Fairing::Auto,
         vertices: 0..0,
         faces: 0..0,

@@ -17,7 +17,7 @@ use crate::fill::refine::{refine, split_taken};
 use crate::fill::sheet::{Band, Incidence, Sheet};
 use crate::fill::triangulate::{triangulate, ALL_PAIRS};
 use crate::mesh::neighbourhood::{FacePlaces, Neighbourhood};
-use crate::options::{Fairing, Sizing};
+use crate::options::{Fairing, Method, Sizing};
 use crate::progress::Pace;
 use glam::DVec3;
 
@@ -61,6 +61,10 @@ pub struct Fill {
     pub patch: Patch,
     /// The fairing that was used.
     pub fairing: Fairing,
+    /// What made the patch as it is now.
+    pub method: Method,
+    /// See [`crate::HoleReport::coherence_error`].
+    pub coherence_error: Option<[f64; 2]>,
 }
 
 /// Fills one hole whose loops are given in neighbourhood vertices. `check` is called between the
@@ -107,7 +111,9 @@ pub fn fill_hole(
                 Ok(patch) => {
                     // The blend is a thin plate with a share of curvature.
                     let fairing = if attempt == Fairing::Auto { Fairing::C1 } else { attempt };
-                    return Ok(Ok(Fill { outline, patch, fairing }));
+                    let method = Method::Smooth;
+                    let coherence_error = None;
+                    return Ok(Ok(Fill { outline, patch, fairing, method, coherence_error }));
                 }
                 Err(why) => reason = why,
             }

@@ -101,6 +101,42 @@ pub fn run<T: Send>(
     all.map(|(i, result)| result.unwrap_or_else(|| missing(i))).collect()
 }
 
+/// One long job: gets a monitor to check and a function to report the fraction done to.
+pub type LongJob<'a, T> = &'a (dyn Fn(&Monitor, &dyn Fn(f64)) -> Result<T> + Sync);
+
+/// Does one long job on a thread of its own, while this one asks the progress function whether to
+/// go on.
+pub fn beside<T: Send>(monitor: &Monitor, stage: &str, job: LongJob<'_, T>) -> Result<T> {
+    let inner = Monitor::silent();
+    let done = AtomicUsize::new(0);
+    let report = |part: f64| done.store((1e6 * part) as usize, Ordering::Relaxed);
+    let span = (0.95, 0.99);
+    std::thread::scope(|scope| {
+        let (send, receive) = mpsc::channel();
+        let (inner, report) = (&inner, &report);
+        let work = move || {
+            let result = catch_unwind(AssertUnwindSafe(|| job(inner, report)));
+            let _ = send.send(result);
+        };
+        let named = std::thread::Builder::new().name(WORKER.into());
+        if named.spawn_scoped(scope, work).is_err() {
+            return job(monitor, report);
+        }
+        loop {
+            match receive.recv_timeout(BEAT) {
+                Ok(Ok(result)) => return result,
+                Ok(Err(payload)) => resume_unwind(payload),
+                Err(_) => {
+                    let part = done.load(Ordering::Relaxed) as f64 / 1e6;
+                    if monitor.step(span.0 + (span.1 - span.0) * part, stage).is_err() {
+                        inner.cancel();
+                    }
+                }
+            }
+        }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,6 +5,7 @@
 //! refinement splits them before the fill is handed out.
 
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// "No triangle": the rim.
 pub const NONE: u32 = u32::MAX;
@@ -41,6 +42,35 @@ pub fn previous(k: usize) -> usize {
 }
 
 impl Patch {
+    /// A patch of given triangles; its rim is the first `rim_count` vertices. Edges of more than two
+    /// triangles, or of two that run the same way, are left open.
+    pub fn of_triangles(
+        positions: Vec<DVec3>,
+        sizes: Vec<f64>,
+        rim_count: usize,
+        triangles: Vec<[u32; 3]>,
+    ) -> Self {
+        let mut across = vec![[NONE; 3]; triangles.len()];
+        let mut open: HashMap<(u32, u32), (u32, usize)> = HashMap::new();
+        let mut at = vec![NONE; positions.len()];
+        for (t, tri) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                at[tri[k] as usize] = t as u32;
+                match open.remove(&(tri[next(k)], tri[k])) {
+                    Some((s, side)) => {
+                        across[t][k] = s;
+                        across[s as usize][side] = t as u32;
+                    }
+                    None => {
+                        open.insert((tri[k], tri[next(k)]), (t as u32, k));
+                    }
+                }
+            }
+        }
+        let offsets = vec![DVec3::ZERO; positions.len()];
+        Self { positions, sizes, offsets, rim_count, triangles, across, at }
+    }
+
     /// Whether a triangle was not removed.
     #[inline]
     pub fn is_alive(&self, t: usize) -> bool {

@@ -135,7 +135,7 @@ fn split_long(patch: &mut Patch, looks: &mut Looks, pace: &mut Pace<'_>) -> Resu
                 looks.grow(patch);
             }
         }
-        flip_pass(patch, &[], looks, pace)?;
+        flip_fresh(patch, &[], looks, pace)?;
     }
     Ok(any)
 }
@@ -161,14 +161,20 @@ fn flip_to_delaunay(
     pace: &mut Pace<'_>,
 ) -> Result<()> {
     for _ in 0..FLIP_PASSES {
-        if !flip_pass(patch, taken, looks, pace)? {
+        if !flip_fresh(patch, taken, looks, pace)? {
             break;
         }
     }
     Ok(())
 }
 
-fn flip_pass(
+/// One pass of flips towards Delaunay triangles; whether there was one.
+pub fn flip_pass(patch: &mut Patch, taken: Taken<'_>) -> bool {
+    let never = || Ok(());
+    flip_fresh(patch, taken, &mut Looks::default(), &mut Pace::new(&never)).unwrap_or(false)
+}
+
+fn flip_fresh(
     patch: &mut Patch,
     taken: Taken<'_>,
     looks: &mut Looks,
@@ -262,6 +268,29 @@ fn collapse_short(
     looks: &mut Looks,
     pace: &mut Pace<'_>,
 ) -> Result<bool> {
+    let any = collapse_where(patch, taken, looks, |p, t, k| !is_stretched(p, t, k, COLLAPSE));
+    pace.work(4 * patch.triangles.len())?;
+    Ok(any)
+}
+
+/// Collapses the edges (side k of triangle t) that shall go, one end of which is new, where that
+/// leaves a manifold without overlong edges or faces turned over; whether there was one.
+pub fn collapse_edges(
+    patch: &mut Patch,
+    taken: Taken<'_>,
+    shall_go: impl Fn(&Patch, u32, usize) -> bool,
+) -> bool {
+    let mut looks = Looks::default();
+    looks.grow(patch);
+    collapse_where(patch, taken, &mut looks, shall_go)
+}
+
+fn collapse_where(
+    patch: &mut Patch,
+    taken: Taken<'_>,
+    looks: &mut Looks,
+    shall_go: impl Fn(&Patch, u32, usize) -> bool,
+) -> bool {
     let mut any = false;
     let (mut fan, mut other) = (Vec::new(), Vec::new());
     for t in 0..patch.triangles.len() as u32 {
@@ -271,10 +300,7 @@ fn collapse_short(
             }
             let tri = patch.triangles[t as usize];
             let (u, v) = (tri[k], tri[next(k)]);
-            if patch.is_rim(u)
-                || patch.across[t as usize][k] == NONE
-                || is_stretched(patch, t, k, COLLAPSE)
-            {
+            if patch.is_rim(u) || patch.across[t as usize][k] == NONE || !shall_go(patch, t, k) {
                 continue;
             }
             if can_collapse(patch, u, v, taken, &mut fan, &mut other) {
@@ -284,8 +310,7 @@ fn collapse_short(
             }
         }
     }
-    pace.work(4 * patch.triangles.len())?;
-    Ok(any)
+    any
 }
 
 /// The link condition, no forbidden edge, no overlong edge, no face turned over.

@@ -10,7 +10,7 @@ const WEIGHT_RANGE: (f64, f64) = (0.01, 3.0);
 /// Least mass of a vertex, in median masses, for the same reason.
 const LEAST_MASS: f64 = 0.5;
 
-/// Faces at each vertex of the neighbourhood, as one array with row starts.
+/// Faces at each vertex of a mesh, as one array with row starts.
 pub struct Incidence {
     start: Vec<u32>,
     faces: Vec<u32>,
@@ -19,20 +19,25 @@ pub struct Incidence {
 impl Incidence {
     /// Counts, then fills: two linear passes over the neighbourhood.
     pub fn new(near: &Neighbourhood) -> Self {
-        let mut start = vec![0u32; near.positions.len() + 1];
-        near.faces.iter().flatten().for_each(|&v| start[v as usize + 1] += 1);
-        for v in 0..near.positions.len() {
+        Self::of(near.positions.len(), &near.faces)
+    }
+
+    /// The same for any faces over `vertex_count` vertices.
+    pub fn of(vertex_count: usize, faces: &[[u32; 3]]) -> Self {
+        let mut start = vec![0u32; vertex_count + 1];
+        faces.iter().flatten().for_each(|&v| start[v as usize + 1] += 1);
+        for v in 0..vertex_count {
             start[v + 1] += start[v];
         }
         let mut next = start.clone();
-        let mut faces = vec![0; 3 * near.faces.len()];
-        for (f, face) in near.faces.iter().enumerate() {
+        let mut at_vertex = vec![0; 3 * faces.len()];
+        for (f, face) in faces.iter().enumerate() {
             for &v in face {
-                faces[next[v as usize] as usize] = f as u32;
+                at_vertex[next[v as usize] as usize] = f as u32;
                 next[v as usize] += 1;
             }
         }
-        Self { start, faces }
+        Self { start, faces: at_vertex }
     }
 
     /// The faces at vertex `v`.

@@ -64,7 +64,16 @@ impl Rigid {
         if sum <= 0.0 {
             return None;
         }
-        let (a, b) = (a / sum, b / sum);
+        Self::fit_about(a / sum, b / sum, pairs, mirrored)
+    }
+
+    /// The same with `a` going to `b` exactly.
+    pub fn fit_about(
+        a: DVec3,
+        b: DVec3,
+        pairs: impl Iterator<Item = (DVec3, DVec3, f64)>,
+        mirrored: Option<bool>,
+    ) -> Option<Self> {
         let mut m = Matrix3::<f64>::zeros();
         for (from, to, w) in pairs {
             let (p, q) = (from - a, w * (to - b));

@@ -5,7 +5,7 @@ use crate::meshes::{flat, sheet, within, Mesh};
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
 use complete_mesh::{
     complete_mesh, complete_mesh_with, find_holes, Completion, Error, Fairing, Grouping, MeshView,
-    Monitor, Options, Selection, Sizing,
+    Method, Monitor, Options, Selection, Sizing,
 };
 use glam::{DQuat, DVec3};
 use std::collections::HashSet;
@@ -130,6 +130,29 @@ fn bytes_do_not_depend_on_threads_or_run() {
     assert_eq!(first.holes.len(), 5);
     for threads in [1, 2, 3, 0] {
         assert!(same(&first, &run(threads)), "{threads} threads");
+    }
+}
+
+/// Harary et al. move every new vertex and change the triangles: the contract holds all the same,
+/// and the bits on any number of threads.
+#[test]
+fn the_papers_method_keeps_the_contract_on_any_number_of_threads() {
+    for (sample, kind) in [
+        (Sample::Column, Break::Disc),
+        (Sample::Column, Break::Several),
+        (Sample::Vessel, Break::Disc),
+    ] {
+        let (_, left) = broken(sample, kind, 0);
+        let copy = double(&left);
+        let run = |threads| {
+            let options = Options { method: Method::Harary, threads, ..Options::default() };
+            fill_and_check(&format!("{sample:?} {kind:?}"), left.view(), &copy, &options)
+        };
+        let made = run(1);
+        assert!(same(&made, &run(2)), "{sample:?} {kind:?}");
+        assert!(made.holes.iter().any(|h| h.method == Method::Harary), "{sample:?} {kind:?}");
+        let smooth = complete_mesh(&left.vertices[..], &left.faces[..], &Options::default());
+        assert!(!same(&made, &smooth.unwrap()), "{sample:?} {kind:?}");
     }
 }
 
