@@ -6,7 +6,9 @@
 #![allow(missing_docs)] // what the macros of criterion make
 
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
-use complete_mesh::{complete_mesh_with, find_holes, Grouping, HoleStatus, Monitor, Options};
+use complete_mesh::{
+    complete_mesh_with, find_holes, Grouping, HoleStatus, Method, Monitor, Options,
+};
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
 use std::hint::black_box;
 use std::time::Duration;
@@ -33,7 +35,7 @@ fn fill(c: &mut Criterion) {
     let mut group = c.benchmark_group("fill");
     group.sample_size(20).measurement_time(Duration::from_secs(4));
     // One thread: criterion measures wall time, and a second thread would hide work.
-    let options = Options { threads: 1, ..Options::default() };
+    let options = Options { threads: 1, method: Method::Smooth, ..Options::default() };
     for (sample, kind) in CASES {
         for resolution in RESOLUTIONS {
             let mesh = broken(sample, kind, resolution);

@@ -4,7 +4,7 @@
 //! each edge of an icosahedron is cut into: 10 · EDGES² + 2 vertices. The figures are in
 //! `docs/speed.md`. The memory figures are read from `/proc/self` and so need Linux.
 
-use complete_mesh::{complete_mesh, HoleStatus, Options};
+use complete_mesh::{complete_mesh, HoleStatus, Method, Options};
 use std::f64::consts::TAU;
 
 /// Radius of the hole, in edges of the mesh: some 400 edges around, as the rim of a
@@ -24,7 +24,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     forget_peak();
     let before = memory("VmRSS");
-    let completion = complete_mesh(&vertices[..], &faces[..], &Options::default())?;
+    let options = Options { method: Method::Smooth, ..Options::default() };
+    let completion = complete_mesh(&vertices[..], &faces[..], &options)?;
     let peak = memory("VmHWM");
     for hole in &completion.holes {
         let (v, f) = (hole.vertices.len(), hole.faces.len());

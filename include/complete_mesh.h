@@ -86,14 +86,14 @@ typedef enum complete_mesh_vertex_type {
 typedef enum complete_mesh_method {
   // Smooth completion: triangulation, refinement, fairing.
   COMPLETE_MESH_METHOD_SMOOTH = 0,
-  // Coherent completion, which continues what the object shows. Not in this version:
-  // COMPLETE_MESH_STATUS_UNSUPPORTED.
+  // Coherent completion: continues what the object shows. A hole for which nothing on the object
+  // serves gets a smooth fill; the method of its complete_mesh_hole says so.
   COMPLETE_MESH_METHOD_COHERENT = 1,
   // Coherent completion as Harary, Tal and Grinspun (2014) describe it, to compare with; slow.
   COMPLETE_MESH_METHOD_HARARY = 2,
 } complete_mesh_method;
 
-// The smooth surface that a hole is filled with.
+// The smooth surface that a hole is filled with, or that its coherent fill starts from.
 typedef enum complete_mesh_fairing {
   // The best of the others for each hole, chosen by what its surroundings show.
   COMPLETE_MESH_FAIRING_AUTO = 0,
@@ -241,7 +241,7 @@ typedef struct complete_mesh_options {
   size_t vertex_stride;
   // Bytes from one face to the next; any number from 12. Default: 0, packed.
   size_t face_stride;
-  // A complete_mesh_method. Default: COMPLETE_MESH_METHOD_SMOOTH.
+  // A complete_mesh_method. Default: COMPLETE_MESH_METHOD_COHERENT.
   uint32_t method;
   // A complete_mesh_fairing. Default: COMPLETE_MESH_FAIRING_AUTO.
   uint32_t fairing;
@@ -322,7 +322,37 @@ typedef struct complete_mesh_hole {
   size_t new_face_count;
   // Wall seconds that its fill took.
   double seconds;
+  // The complete_mesh_method that made the fill: COMPLETE_MESH_METHOD_SMOOTH where nothing on
+  // the object served, and if not filled.
+  uint32_t method;
+  // How many sources the fill was continued from, see complete_mesh_holes_source; 0 for a smooth
+  // fill.
+  uint32_t source_count;
+  // 0 to 1, as of complete_mesh_result_new_vertex_confidences; 0 for a smooth fill.
+  double confidence;
+  // Coherence error of the initial, smooth completion (Harary et al. 2014, Eq. 3, root mean
+  // square); NaN where it was not measured.
+  double coherence_error_before;
+  // Coherence error of the fill; NaN where it was not measured.
+  double coherence_error_after;
 } complete_mesh_hole;
+
+// A place on the object that a hole's fill was continued from. Lengths are in mesh units.
+typedef struct complete_mesh_source {
+  // How many bytes of the struct the library has written: at most what was asked for.
+  uint32_t struct_size;
+  // 1: the transform mirrors. Else 0.
+  uint32_t mirrored;
+  // From the place to the hole: a matrix of three rows and four columns, row by row. The first
+  // three columns are a rotation, or a rotation and a reflection; the last is the translation.
+  double transform[12];
+  // Root mean square error at known vertices near the rim that were hidden from the fit.
+  double error;
+  // Share in the low frequencies of the fill, 0 to 1; a hole's sources sum to 1.
+  double weight;
+  // How many new vertices have their detail from here.
+  size_t vertex_count;
+} complete_mesh_source;
 
 #ifdef __cplusplus
 extern "C" {
@@ -345,7 +375,7 @@ uint32_t complete_mesh_abi_version(void);
 // faces: three 32-bit vertex indices each, counter-clockwise seen from outside. Any alignment.
 // NULL if face_count is 0.
 // face_count: how many faces.
-// opts: NULL for the defaults: packed float vertices, every hole, the best smooth fill.
+// opts: NULL for the defaults: packed float vertices, every hole, coherent fills.
 // result: receives the new result, to be freed with complete_mesh_result_free; NULL on failure.
 //
 // Returns COMPLETE_MESH_STATUS_OK, also for a mesh without holes, or what was wrong. May be called
@@ -447,6 +477,22 @@ int32_t complete_mesh_holes_get(const struct complete_mesh_holes *holes,
                                 size_t hole,
                                 struct complete_mesh_hole *info,
                                 size_t info_size);
+
+// One of the places that a hole's fill was continued from, the greatest weight first.
+//
+// hole: id of the hole.
+// source: 0 to source_count of the hole's complete_mesh_hole, less one.
+// info: receives it.
+// info_size: sizeof(complete_mesh_source) as your program was compiled; not a byte beyond is
+// written.
+//
+// Returns 1; or 0 for NULL, for a hole or a source that does not exist and for an info_size under
+// 8, and then nothing is written.
+int32_t complete_mesh_holes_source(const struct complete_mesh_holes *holes,
+                                   size_t hole,
+                                   size_t source,
+                                   struct complete_mesh_source *info,
+                                   size_t info_size);
 
 // The vertices of one boundary loop of a hole, in the order in which a filling face runs.
 //
@@ -567,173 +613,28 @@ const uint32_t *complete_mesh_result_new_faces(const struct complete_mesh_result
 // to the result.
 const uint32_t *complete_mesh_result_new_vertex_holes(const struct complete_mesh_result *result);
 
-// For each new face the id of the hole that it fills. NULL if there are none. The array belongs to
-// the result.
-const uint32_t *complete_mesh_result_new_face_holes(const struct complete_mesh_result *result);
+// For each new vertex the input face that its detail was copied from; UINT32_MAX if from nowhere
+// (a smooth fill, a gap in the source). NULL if there are no new vertices. The array belongs to the
+// result.
+const uint32_t *complete_mesh_result_new_vertex_source_faces(const struct complete_mesh_result *result);
 
-// All holes of the input, filled or not, to be read with complete_mesh_holes_.... They belong to
-// the result: do not free them. NULL for NULL.
-const struct complete_mesh_holes *complete_mesh_result_holes(const struct complete_mesh_result *result);
-
-// How many holes were filled.
-size_t complete_mesh_result_filled_count(const struct complete_mesh_result *result);
-
-// Wall seconds that the completion took.
-double complete_mesh_result_seconds(const struct complete_mesh_result *result);
-
-// CPU seconds that the process spent, in all its threads, while the completion ran.
-double complete_mesh_result_cpu_seconds(const struct complete_mesh_result *result);
-
-// Frees a result and everything that belongs to it; NULL is allowed.
-void complete_mesh_result_free(struct complete_mesh_result *result);
-
-// What went wrong in the last call that failed on this thread: what, in which element, what to
-// do about it; English, UTF-8. Empty before the first failure. Calls that succeed leave it alone.
-// The string belongs to the library and is valid until the next failure on this thread.
-// Never NULL.
-const char *complete_mesh_last_error_message(void);
-
-// The elements of one kind that the last failure on this thread named, so that a host can select
-// or draw them: an unsafe hole names itself and the vertices or edges that are in the way.
-//
-// kind: a complete_mesh_element_kind.
-// count: receives how many elements there are, 0 if none; NULL is allowed. Edges take two
-// numbers each, so the array then has 2 * count of them.
-//
-// Returns NULL if there are none or kind is unknown. The array belongs to the library and is
-// valid until the next failure on this thread.
-const uint32_t *complete_mesh_last_error_elements(uint32_t kind, size_t *count);
-
-// A short English name of a status, e.g. "invalid mesh"; "unknown status" for any other number.
-// A static string, never NULL.
-const char *complete_mesh_status_name(int32_t status);
-
-// Sets an options struct to the defaults.
-//
-// opts: receives the defaults; its old content is not read.
-// struct_size: sizeof(complete_mesh_options) as your program was compiled; not a byte beyond is
-// written.
-//
-// Returns COMPLETE_MESH_STATUS_OK, or COMPLETE_MESH_STATUS_INVALID_ARGUMENT for NULL or a size
-// that cannot be; then nothing is written.
-enum complete_mesh_status complete_mesh_options_init(struct complete_mesh_options *opts,
-                                                     size_t struct_size);
-
-// Fills the holes of a triangle mesh. The input is only read, and only while the call lasts.
-//
-// vertices: positions, three numbers each; float unless vertex_type of the options says double.
-// Any alignment. NULL if vertex_count is 0.
-// vertex_count: how many vertices.
-// faces: three 32-bit vertex indices each, counter-clockwise seen from outside. Any alignment.
-// NULL if face_count is 0.
-// face_count: how many faces.
-// opts: NULL for the defaults: packed float vertices, every hole, the best smooth fill.
-// result: receives the new result, to be freed with complete_mesh_result_free; NULL on failure.
-//
-// Returns COMPLETE_MESH_STATUS_OK, also for a mesh without holes, or what was wrong. May be called
-// by any number of threads at once.
-enum complete_mesh_status complete_mesh(const void *vertices,
-                                        size_t vertex_count,
-                                        const uint32_t *faces,
-                                        size_t face_count,
-                                        const struct complete_mesh_options *opts,
-                                        struct complete_mesh_result **result);
-
-// Finds and measures the holes of a mesh and fills nothing.
-//
-// vertices, vertex_count, faces, face_count: as for complete_mesh.
-// opts: vertex_type, the strides, grouping, selection and progress count, but all are checked; NULL
-// for the defaults. Holes outside the selection are listed as COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED.
-// holes: receives the new list, to be freed with complete_mesh_holes_free; NULL on failure.
-//
-// Returns COMPLETE_MESH_STATUS_OK or what was wrong. May be called by any number of threads at
-// once.
-enum complete_mesh_status complete_mesh_find_holes(const void *vertices,
-                                                   size_t vertex_count,
-                                                   const uint32_t *faces,
-                                                   size_t face_count,
-                                                   const struct complete_mesh_options *opts,
-                                                   struct complete_mesh_holes **holes);
-
-// Makes a completer: checks a mesh and finds its holes once, for many fills. It keeps pointers to
-// the arrays, not a copy: they must stay as they are until complete_mesh_completer_free.
-//
-// vertices, vertex_count, faces, face_count: as for complete_mesh.
-// opts: only vertex_type, the strides, grouping and progress count, but all are checked; NULL for
-// the defaults.
-// completer: receives the new completer, to be freed with complete_mesh_completer_free; NULL on
-// failure.
-//
-// Returns COMPLETE_MESH_STATUS_OK or what was wrong.
-enum complete_mesh_status complete_mesh_completer_new(const void *vertices,
-                                                      size_t vertex_count,
-                                                      const uint32_t *faces,
-                                                      size_t face_count,
-                                                      const struct complete_mesh_options *opts,
-                                                      struct complete_mesh_completer **completer);
-
-// Fills holes of a completer's mesh.
-//
-// completer: not NULL. Any number of threads may use one completer at once.
-// opts: as for complete_mesh, but vertex_type, the strides and grouping were settled by
-// complete_mesh_completer_new and are not used; NULL for the defaults.
-// result: receives the new result, to be freed with complete_mesh_result_free, before or after the
-// completer; NULL on failure.
-//
-// Returns COMPLETE_MESH_STATUS_OK or what was wrong.
-enum complete_mesh_status complete_mesh_completer_complete(const struct complete_mesh_completer *completer,
-                                                           const struct complete_mesh_options *opts,
-                                                           struct complete_mesh_result **result);
-
-// The holes of a completer's mesh, to be read with complete_mesh_holes_.... They belong to the
-// completer: do not free them. NULL for NULL.
-const struct complete_mesh_holes *complete_mesh_completer_holes(const struct complete_mesh_completer *completer);
-
-// Frees a completer; NULL is allowed. Its results live on.
-void complete_mesh_completer_free(struct complete_mesh_completer *completer);
-
-// The number type of the result's vertices, a complete_mesh_vertex_type: that of the input.
-uint32_t complete_mesh_result_vertex_type(const struct complete_mesh_result *result);
-
-// How many vertices the input has: the index of the first new vertex in faces.
-size_t complete_mesh_result_input_vertex_count(const struct complete_mesh_result *result);
-
-// How many faces the input has: the index of the first new face in the whole mesh.
-size_t complete_mesh_result_input_face_count(const struct complete_mesh_result *result);
-
-// How many vertices the whole mesh has; 0 if only the new elements were asked for.
-size_t complete_mesh_result_vertex_count(const struct complete_mesh_result *result);
-
-// How many faces the whole mesh has; 0 if only the new elements were asked for.
-size_t complete_mesh_result_face_count(const struct complete_mesh_result *result);
-
-// The whole mesh's vertices: the input's bit for bit, in order, then the new ones. Three numbers a
-// vertex, packed; float or double as complete_mesh_result_vertex_type says. NULL if only the new
-// elements were asked for. The array belongs to the result.
-const void *complete_mesh_result_vertices(const struct complete_mesh_result *result);
-
-// The whole mesh's faces: the input's, in order, then the new ones. Three indices a face, packed.
-// NULL if only the new elements were asked for. The array belongs to the result.
-const uint32_t *complete_mesh_result_faces(const struct complete_mesh_result *result);
-
-// How many vertices are new.
-size_t complete_mesh_result_new_vertex_count(const struct complete_mesh_result *result);
-
-// How many faces are new.
-size_t complete_mesh_result_new_face_count(const struct complete_mesh_result *result);
-
-// The new vertices alone: three numbers a vertex, packed; float or double as
-// complete_mesh_result_vertex_type says. NULL if there are none. The array belongs to the result.
-const void *complete_mesh_result_new_vertices(const struct complete_mesh_result *result);
-
-// The new faces alone: three indices a face, packed. An index below
-// complete_mesh_result_input_vertex_count is an input vertex; that count less is the index of a
-// new one. NULL if there are none. The array belongs to the result.
-const uint32_t *complete_mesh_result_new_faces(const struct complete_mesh_result *result);
-
-// For each new vertex the id of the hole that it fills. NULL if there are none. The array belongs
+// For each new vertex where on its source face it was copied from: three numbers, the weights of
+// the face's corners in the face's order, which sum to 1; three zeros without a source face. The
+// source's transform takes that point near the new vertex: what is between them is the smooth
+// deformation that joins the copy to the rim. NULL if there are no new vertices. The array belongs
 // to the result.
-const uint32_t *complete_mesh_result_new_vertex_holes(const struct complete_mesh_result *result);
+const double *complete_mesh_result_new_vertex_barycentrics(const struct complete_mesh_result *result);
+
+// For each new vertex the source that gave its detail, an index for complete_mesh_holes_source
+// with the vertex's own hole; UINT32_MAX without one. NULL if there are no new vertices. The array
+// belongs to the result.
+const uint32_t *complete_mesh_result_new_vertex_sources(const struct complete_mesh_result *result);
+
+// For each new vertex a confidence, 0 (nothing on the object backs it) to 1. From 0.8 the source
+// predicted known surface that was hidden from it with at most half the error of a smooth surface;
+// below 0.5 it did worse than one. NULL if there are no new vertices. The array belongs to the
+// result.
+const double *complete_mesh_result_new_vertex_confidences(const struct complete_mesh_result *result);
 
 // For each new face the id of the hole that it fills. NULL if there are none. The array belongs to
 // the result.
@@ -754,88 +655,6 @@ double complete_mesh_result_cpu_seconds(const struct complete_mesh_result *resul
 
 // Frees a result and everything that belongs to it; NULL is allowed.
 void complete_mesh_result_free(struct complete_mesh_result *result);
-
-// How many holes there are; their ids are 0 to this number less one. 0 for NULL.
-size_t complete_mesh_holes_count(const struct complete_mesh_holes *holes);
-
-// One hole's measures and what became of it.
-//
-// hole: id of the hole.
-// info: receives them.
-// info_size: sizeof(complete_mesh_hole) as your program was compiled; not a byte beyond is
-// written.
-//
-// Returns 1; or 0 for NULL, for a hole that does not exist and for an info_size under 8, and then
-// nothing is written.
-int32_t complete_mesh_holes_get(const struct complete_mesh_holes *holes,
-                                size_t hole,
-                                struct complete_mesh_hole *info,
-                                size_t info_size);
-
-// The vertices of one boundary loop of a hole, in the order in which a filling face runs.
-//
-// hole: id of the hole.
-// loop_index: 0 to loop_count of the hole's complete_mesh_hole, less one; the longest loop is first.
-// count: receives the number of vertices, 0 if there is no such loop; NULL is allowed.
-//
-// Returns indices of input vertices, NULL if there is no such loop. The array belongs to holes.
-const uint32_t *complete_mesh_holes_loop(const struct complete_mesh_holes *holes,
-                                         size_t hole,
-                                         size_t loop_index,
-                                         size_t *count);
-
-// Why a hole was not filled or cannot be filled safely: English, UTF-8; empty if there is no
-// reason. The string belongs to holes; an empty one, never NULL, for a hole that does not exist.
-const char *complete_mesh_holes_reason(const struct complete_mesh_holes *holes, size_t hole);
-
-// The elements of one kind that keep a hole from being filled safely.
-//
-// hole: id of the hole.
-// kind: a complete_mesh_element_kind.
-// count: receives how many elements there are; NULL is allowed. Edges take two numbers each.
-//
-// Returns NULL if there are none. The array belongs to holes.
-const uint32_t *complete_mesh_holes_problem_elements(const struct complete_mesh_holes *holes,
-                                                     size_t hole,
-                                                     uint32_t kind,
-                                                     size_t *count);
-
-// Edges with more than two faces, found at or near the boundary of the mesh.
-//
-// count: receives how many edges there are; NULL is allowed.
-//
-// Returns two input vertices for each edge, NULL if there are none. The array belongs to holes.
-const uint32_t *complete_mesh_holes_non_manifold_edges(const struct complete_mesh_holes *holes,
-                                                       size_t *count);
-
-// Edges whose two faces run the same way: the mesh is not oriented consistently there.
-//
-// count: receives how many edges there are; NULL is allowed.
-//
-// Returns two input vertices for each edge, NULL if there are none. The array belongs to holes.
-const uint32_t *complete_mesh_holes_inconsistent_edges(const struct complete_mesh_holes *holes,
-                                                       size_t *count);
-
-// Faces that name a vertex twice; they are passed through and otherwise ignored.
-//
-// count: receives how many faces there are; NULL is allowed.
-//
-// Returns indices of input faces, NULL if there are none. The array belongs to holes.
-const uint32_t *complete_mesh_holes_degenerate_faces(const struct complete_mesh_holes *holes,
-                                                     size_t *count);
-
-// Pairs of boundary vertices at the same position: the mesh is not welded there, and what looks
-// closed is a slit.
-//
-// count: receives how many pairs there are; NULL is allowed.
-//
-// Returns two input vertices for each pair, NULL if there are none. The array belongs to holes.
-const uint32_t *complete_mesh_holes_duplicate_vertices(const struct complete_mesh_holes *holes,
-                                                       size_t *count);
-
-// Frees what complete_mesh_find_holes gave; NULL is allowed. Not for the holes of a result or a
-// completer, which free their own: those are const.
-void complete_mesh_holes_free(struct complete_mesh_holes *holes);
 
 #ifdef __cplusplus
 }  // extern "C"

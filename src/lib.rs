@@ -35,6 +35,7 @@ pub mod io;
 pub mod matching;
 pub mod mesh;
 pub mod options;
+mod parallel;
 pub mod progress;
 pub mod result;
 pub mod synthesis;
@@ -52,7 +53,7 @@ pub use holes::{find_holes, BoundaryLoop, Hole, HoleKind, HoleList};
 pub use mesh::{FaceView, MeshView, VertexView};
 pub use options::{Fairing, Grouping, Method, Options, Selection, Sizing};
 pub use progress::Monitor;
-pub use result::{Completion, HoleReport, HoleStatus};
+pub use result::{Completion, HoleReport, HoleStatus, Origin, SourceReport};
 
 /// The examples of the README run as tests.
 #[cfg(doctest)]

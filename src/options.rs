@@ -7,10 +7,11 @@ use crate::error::{Error, Result};
 #[non_exhaustive]
 pub enum Method {
     /// The smooth completion: triangulation, refinement, fairing. See [`Fairing`].
-    #[default]
     Smooth,
-    /// Coherent completion (Harary, Tal, Grinspun 2014): continues what the object shows. Not in
-    /// this version: asking for it is [`Error::Unsupported`], never a silent smooth fill.
+    /// Coherent completion (Harary, Tal, Grinspun 2014): continues what the object shows. A hole
+    /// for which nothing on the object serves gets the smooth completion, and its
+    /// [`crate::HoleReport::method`] says so.
+    #[default]
     Coherent,
     /// Coherent completion as Harary, Tal and Grinspun (2014) describe it, step by step, to compare
     /// with. Slower than [`Method::Coherent`]; see `docs/harary.md`.
@@ -28,7 +29,7 @@ impl Method {
     }
 }
 
-/// The smooth surface that a hole is filled with.
+/// The smooth surface that a hole is filled with, or that its coherent fill starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Fairing {
@@ -152,9 +153,6 @@ impl Options {
     /// Checks every range. Called by every completion.
     pub fn check(&self) -> Result<()> {
         let bad = |name, reason: String| Err(Error::InvalidOption { name, reason });
-        if self.method == Method::Coherent {
-            return Err(Error::Unsupported { what: "method \"coherent\"".into() });
-        }
         match self.sizing {
             Sizing::Scaled(f) if !(0.05..=20.0).contains(&f) => {
                 return bad("sizing", format!("the factor {f} is outside 0.05 to 20"))

@@ -1,8 +1,60 @@
 //! What a completion returns.
 
 use crate::error::{Error, Problem};
+use crate::matching::rigid::Rigid;
 use crate::options::{Fairing, Method};
 use std::ops::Range;
+
+/// "No such": of a face or a source in an [`Origin`].
+pub const NONE: u32 = u32::MAX;
+
+/// Where a new vertex comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin {
+    /// The input face it was copied from; [`NONE`] if from nowhere (a smooth fill, a gap in the
+    /// source).
+    pub face: u32,
+    /// Barycentric coordinates on that face: the weights of its corners, in the face's order; they
+    /// sum to 1. All 0 without a face.
+    pub barycentric: [f64; 3],
+    /// Index into [`HoleReport::sources`] of the copy that gave the detail; [`NONE`] without one.
+    pub source: u32,
+    /// 0 (nothing on the object backs it) to 1: how much better than a smooth surface the copy
+    /// predicted known surface that was hidden from it, 1 / (1 + ratio²) with the ratio of the
+    /// errors.
+    pub confidence: f64,
+}
+
+impl Origin {
+    /// Of a vertex that no source gave.
+    pub const NOWHERE: Self =
+        Self { face: NONE, barycentric: [0.0; 3], source: NONE, confidence: 0.0 };
+}
+
+/// A confidence in a word. `convincing`, from 0.8: hidden surface was predicted with at most half
+/// the error of a smooth surface. `plausible`, from 0.5: not worse than by a smooth surface.
+/// `invention`: worse, or nothing backs it. See [`Origin::confidence`].
+pub fn confidence_word(confidence: f64) -> &'static str {
+    match confidence {
+        c if c >= 0.8 => "convincing",
+        c if c >= 0.5 => "plausible",
+        _ => "invention",
+    }
+}
+
+/// A place on the object that a fill was continued from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SourceReport {
+    /// From the place to the hole: a rotation, or a reflection, and a translation.
+    pub transform: Rigid,
+    /// Root mean square error at known vertices near the rim that were hidden from the fit, in mesh
+    /// units.
+    pub error: f64,
+    /// Share in the low frequencies of the fill, 0 to 1; they sum to 1.
+    pub weight: f64,
+    /// New vertices whose detail comes from here.
+    pub vertices: usize,
+}
 
 /// What became of one hole.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,17 +80,38 @@ pub struct HoleReport {
     pub status: HoleStatus,
     /// The method that made the fill: a smooth one where nothing on the object served.
     pub method: Method,
+    /// The fairing of the initial completion; never `Auto` on a filled hole.
+    pub fairing: Fairing,
+    /// Where the fill was continued from, the greatest weight first; none for a smooth fill.
+    pub sources: Vec<SourceReport>,
+    /// 0 to 1, see [`Origin::confidence`]; 0 for a smooth fill.
+    pub confidence: f64,
     /// Coherence error (Harary et al. 2014, Eq. 3, root mean square, in mesh units) of the initial
     /// completion and of the fill; `None` where no source was looked for.
     pub coherence_error: Option<[f64; 2]>,
-    /// The fairing that was used; never `Auto` on a filled hole.
-    pub fairing: Fairing,
     /// Its vertices in [`Completion::vertices`].
     pub vertices: Range<usize>,
     /// Its faces in [`Completion::faces`].
     pub faces: Range<usize>,
     /// Wall seconds.
     pub seconds: f64,
+}
+
+impl HoleReport {
+    /// How it was filled, for people: the method that won, how many sources it had and how far to
+    /// believe it, e.g. "coherent, 4 sources, confidence 0.93 (convincing)".
+    pub fn summary(&self) -> String {
+        let name = self.method.name();
+        match self.sources.len() {
+            0 => format!("{name}, no source"),
+            n => format!(
+                "{name}, {n} source{}, confidence {:.2} ({})",
+                if n == 1 { "" } else { "s" },
+                self.confidence,
+                confidence_word(self.confidence)
+            ),
+        }
+    }
 }
 
 /// The new elements. The input is not in it: the caller has it, and it does not change.
@@ -54,6 +127,8 @@ pub struct Completion {
     pub faces: Vec<[u32; 3]>,
     /// For each new vertex the id of its hole.
     pub vertex_hole: Vec<u32>,
+    /// For each new vertex where it comes from.
+    pub origins: Vec<Origin>,
     /// For each new face the id of its hole.
     pub face_hole: Vec<u32>,
     /// One report for each hole of the mesh, by id.

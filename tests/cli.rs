@@ -145,6 +145,7 @@ fn wrong_usage_is_2_and_writes_nothing() {
         "fill in.ply -o out.ply --report in.ply",
         "fill in.ply -o out.ply --report ./out.ply",
         "fill in.ply -o out.ply --picture x --report x",
+        "fill in.ply -o out.ply --tint",
         "sample cube -o out.ply",
         "sample column -o out.ply --seed 2",
         "sample column -o out.ply --break disc --truth out.ply",
@@ -197,7 +198,6 @@ fn invalid_meshes_and_options_are_4_and_write_nothing() {
     for (line, word) in [
         ("fill nan.ply -o out.ply", "vertex 1"),
         ("fill empty.ply -o out.ply", "no faces"),
-        ("fill in.ply -o out.ply --method coherent", "coherent"),
         ("fill in.ply -o out.ply --method warp --report r.json", "warp"),
         ("fill in.ply -o out.ply --method fragment", "fragment"),
         ("fill in.ply -o out.ply --holes 7", "hole 7"),
@@ -392,6 +392,75 @@ fn provenance_marks_the_new_vertices() {
     assert_kept(&place.path("in.ply"), &place.path("out.ply"));
 }
 
+/// What the file says of each new vertex, what the report says of the hole and what lies in the
+/// input at the place named belong together.
+#[test]
+fn report_and_columns_lead_to_the_source() {
+    let place = Place::new();
+    place.expect(0, "sample column --resolution 60 --break disc -o in.ply");
+    let line = "fill in.ply -o out.ply --provenance --report r.json --picture p.png --tint";
+    let (stdout, _) = place.expect(0, line);
+    let hole = place.json("r.json")["holes"][0].clone();
+    assert_eq!(hole["method"], "coherent");
+    let confidence = hole["confidence"].as_f64().unwrap();
+    assert!(confidence > 0.0 && confidence <= 1.0, "{hole:#}");
+    let sources = hole["sources"].as_array().unwrap();
+    let told = format!("hole 0: coherent, {} source", sources.len());
+    assert!(stdout.contains(&told) && stdout.contains("confidence"), "{stdout}");
+    let sum: f64 = sources.iter().map(|s| s["weight"].as_f64().unwrap()).sum();
+    assert!((sum - 1.0).abs() < 1e-9, "{hole:#}");
+
+    let bytes = std::fs::read(place.path("out.ply")).unwrap();
+    let body = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    // Three floats, completed, hole, source_face, source_u, source_v, source, confidence.
+    let row = |v: usize| &bytes[body + 37 * v..body + 37 * (v + 1)];
+    let int = |v: usize, at: usize| i32::from_le_bytes(row(v)[at..at + 4].try_into().unwrap());
+    let float =
+        |v: usize, at: usize| f64::from(f32::from_le_bytes(row(v)[at..at + 4].try_into().unwrap()));
+    let (vertices, faces) = geometry(&place.path("in.ply"));
+    for v in 0..vertices.len() {
+        assert_eq!((row(v)[12], int(v, 13), int(v, 17), int(v, 29)), (0, -1, -1, -1));
+        assert_eq!(float(v, 33), 0.0);
+    }
+    let new = hole["new_vertices"].as_u64().unwrap() as usize;
+    let diameter = hole["diameter"].as_f64().unwrap();
+    let mut copied = 0;
+    for v in vertices.len()..vertices.len() + new {
+        assert_eq!((row(v)[12], int(v, 13)), (1, 0));
+        let Ok(face) = usize::try_from(int(v, 17)) else { continue };
+        copied += 1;
+        let (a, b) = (float(v, 21), float(v, 25));
+        let corners = faces[face].map(|c| vertices[c as usize].map(f64::from_bits));
+        let p: [f64; 3] = std::array::from_fn(|k| {
+            (1.0 - a - b) * corners[0][k] + a * corners[1][k] + b * corners[2][k]
+        });
+        let transform = &sources[int(v, 29) as usize]["transform"];
+        let entry = |i: usize, k: usize| transform[i][k].as_f64().unwrap();
+        let off: f64 = (0..3)
+            .map(|i| {
+                let to: f64 = (0..3).map(|k| entry(i, k) * p[k]).sum::<f64>() + entry(i, 3);
+                (to - float(v, 4 * i)).powi(2)
+            })
+            .sum();
+        assert!(off.sqrt() < 0.25 * diameter, "vertex {v} is {} from its source", off.sqrt());
+    }
+    assert!(10 * copied > 9 * new, "{copied} of {new}");
+}
+
+#[test]
+fn the_tinted_picture_shows_the_source_and_a_legend() {
+    let place = Place::new();
+    place.expect(0, "sample column --resolution 60 --break disc -o in.ply");
+    let height = |flags: &str| {
+        place.expect(0, &format!("fill in.ply -o out.ply --picture p.png {flags}"));
+        let file = std::fs::File::open(place.path("p.png")).unwrap();
+        png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap().info().height
+    };
+    let (plain, tinted) = (height(""), height("--tint"));
+    // A row for the source, a few lines of words.
+    assert!((tinted - plain - 470) > 40 && tinted - plain - 470 < 400, "{plain} {tinted}");
+}
+
 #[test]
 fn the_bytes_do_not_depend_on_the_threads() {
     let place = Place::new();
@@ -463,7 +532,7 @@ fn json_errors_have_the_exit_code() {
     place.write("in.ply", &open_octahedron());
     for (code, line) in [
         (3, "fill none.ply -o out.ply --json"),
-        (4, "fill in.ply -o out.ply --json --method coherent"),
+        (4, "fill in.ply -o out.ply --json --method warp"),
         (4, "--json fill in.ply -o out.ply --holes 3"),
     ] {
         let (stdout, _) = place.expect(code, line);

@@ -70,7 +70,7 @@ fn completed(
 /// faces: three 32-bit vertex indices each, counter-clockwise seen from outside. Any alignment.
 /// NULL if face_count is 0.
 /// face_count: how many faces.
-/// opts: NULL for the defaults: packed float vertices, every hole, the best smooth fill.
+/// opts: NULL for the defaults: packed float vertices, every hole, coherent fills.
 /// result: receives the new result, to be freed with complete_mesh_result_free; NULL on failure.
 ///
 /// Returns COMPLETE_MESH_STATUS_OK, also for a mesh without holes, or what was wrong. May be called

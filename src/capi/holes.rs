@@ -2,11 +2,12 @@
 
 use super::error::{c_string, Elements};
 use super::guard::guard_value;
+use super::options::CMethod;
 use super::write_out;
 use crate::error::Problem;
 use crate::holes::{Hole, HoleKind, HoleList};
-use crate::options::Fairing;
-use crate::result::{HoleReport, HoleStatus};
+use crate::options::{Fairing, Method};
+use crate::result::{HoleReport, HoleStatus, SourceReport};
 use std::ffi::{c_char, CString};
 
 /// What a hole looks like.
@@ -74,6 +75,38 @@ pub struct CHole {
     pub new_face_count: usize,
     /// Wall seconds that its fill took.
     pub seconds: f64,
+    /// The complete_mesh_method that made the fill: COMPLETE_MESH_METHOD_SMOOTH where nothing on
+    /// the object served, and if not filled.
+    pub method: u32,
+    /// How many sources the fill was continued from, see complete_mesh_holes_source; 0 for a smooth
+    /// fill.
+    pub source_count: u32,
+    /// 0 to 1, as of complete_mesh_result_new_vertex_confidences; 0 for a smooth fill.
+    pub confidence: f64,
+    /// Coherence error of the initial, smooth completion (Harary et al. 2014, Eq. 3, root mean
+    /// square); NaN where it was not measured.
+    pub coherence_error_before: f64,
+    /// Coherence error of the fill; NaN where it was not measured.
+    pub coherence_error_after: f64,
+}
+
+/// A place on the object that a hole's fill was continued from. Lengths are in mesh units.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CSource {
+    /// How many bytes of the struct the library has written: at most what was asked for.
+    pub struct_size: u32,
+    /// 1: the transform mirrors. Else 0.
+    pub mirrored: u32,
+    /// From the place to the hole: a matrix of three rows and four columns, row by row. The first
+    /// three columns are a rotation, or a rotation and a reflection; the last is the translation.
+    pub transform: [f64; 12],
+    /// Root mean square error at known vertices near the rim that were hidden from the fit.
+    pub error: f64,
+    /// Share in the low frequencies of the fill, 0 to 1; a hole's sources sum to 1.
+    pub weight: f64,
+    /// How many new vertices have their detail from here.
+    pub vertex_count: usize,
 }
 
 /// One hole, ready to be asked.
@@ -83,6 +116,7 @@ struct Entry {
     /// Why it was not filled or cannot be; empty if all is well.
     reason: CString,
     elements: Elements,
+    sources: Vec<CSource>,
 }
 
 /// The holes of a mesh and everything odd that was found at its boundary. Opaque; read by the
@@ -110,11 +144,13 @@ impl Entry {
             loops: hole.loops.iter().map(|&l| list.loops[l].vertices.clone()).collect(),
             reason: c_string(&reason),
             elements: problem.map(Elements::of_problem).unwrap_or_default(),
+            sources: report.map_or(&[][..], |r| &r.sources).iter().map(source).collect(),
         }
     }
 }
 
 fn info(hole: &Hole, is_unsafe: bool, report: Option<&HoleReport>) -> CHole {
+    let coherence_error = report.and_then(|r| r.coherence_error).unwrap_or([f64::NAN; 2]);
     let (vertices, faces) = report.map_or((0..0, 0..0), |r| (r.vertices.clone(), r.faces.clone()));
     CHole {
         struct_size: size_of::<CHole>() as u32,
@@ -149,6 +185,34 @@ fn info(hole: &Hole, is_unsafe: bool, report: Option<&HoleReport>) -> CHole {
         first_new_face: faces.start,
         new_face_count: faces.len(),
         seconds: report.map_or(0.0, |r| r.seconds),
+        method: report.map_or(CMethod::Smooth as u32, |r| method_number(r.method)),
+        source_count: report.map_or(0, |r| r.sources.len() as u32),
+        confidence: report.map_or(0.0, |r| r.confidence),
+        coherence_error_before: coherence_error[0],
+        coherence_error_after: coherence_error[1],
+    }
+}
+
+fn source(report: &SourceReport) -> CSource {
+    let (linear, translation) = (report.transform.linear, report.transform.translation);
+    CSource {
+        struct_size: size_of::<CSource>() as u32,
+        mirrored: u32::from(report.transform.is_mirrored()),
+        transform: std::array::from_fn(|i| match (i / 4, i % 4) {
+            (row, 3) => translation[row],
+            (row, column) => linear.col(column)[row],
+        }),
+        error: report.error,
+        weight: report.weight,
+        vertex_count: report.vertices,
+    }
+}
+
+fn method_number(method: Method) -> u32 {
+    match method {
+        Method::Smooth => CMethod::Smooth as u32,
+        Method::Coherent => CMethod::Coherent as u32,
+        Method::Harary => CMethod::Harary as u32,
     }
 }
 
@@ -208,6 +272,24 @@ unsafe fn list<'a>(
     })
 }
 
+/// Writes the beginning of a struct that grows at its end: as much as the caller knows of it.
+/// Returns `None`, and writes nothing, for NULL and for less than 8 bytes.
+///
+/// # Safety
+/// `out` is NULL or has `size` writable bytes. `T` begins with its struct_size.
+unsafe fn write_struct<T>(out: *mut T, size: usize, of_size: impl FnOnce(u32) -> T) -> Option<i32> {
+    let size = size.min(size_of::<T>());
+    if out.is_null() || size < 8 {
+        return None;
+    }
+    let written = of_size(size as u32);
+    // SAFETY: by the contract of this function.
+    unsafe {
+        std::ptr::copy_nonoverlapping(std::ptr::from_ref(&written).cast(), out.cast::<u8>(), size);
+    }
+    Some(1)
+}
+
 /// How many holes there are; their ids are 0 to this number less one. 0 for NULL.
 #[no_mangle]
 pub unsafe extern "C" fn complete_mesh_holes_count(holes: *const Holes) -> usize {
@@ -234,20 +316,35 @@ pub unsafe extern "C" fn complete_mesh_holes_get(
     guard_value(0, || {
         // SAFETY: NULL or alive, by the contract of the header.
         let entry = unsafe { holes.as_ref() }?.entries.get(hole)?;
-        let size = info_size.min(size_of::<CHole>());
-        if info.is_null() || size < 8 {
-            return None;
-        }
-        let written = CHole { struct_size: size as u32, ..entry.info };
         // SAFETY: the caller answers for `info_size` writable bytes.
-        unsafe {
-            std::ptr::copy_nonoverlapping(
-                std::ptr::from_ref(&written).cast(),
-                info.cast::<u8>(),
-                size,
-            );
-        }
-        Some(1)
+        unsafe { write_struct(info, info_size, |struct_size| CHole { struct_size, ..entry.info }) }
+    })
+}
+
+/// One of the places that a hole's fill was continued from, the greatest weight first.
+///
+/// hole: id of the hole.
+/// source: 0 to source_count of the hole's complete_mesh_hole, less one.
+/// info: receives it.
+/// info_size: sizeof(complete_mesh_source) as your program was compiled; not a byte beyond is
+/// written.
+///
+/// Returns 1; or 0 for NULL, for a hole or a source that does not exist and for an info_size under
+/// 8, and then nothing is written.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_source(
+    holes: *const Holes,
+    hole: usize,
+    source: usize,
+    info: *mut CSource,
+    info_size: usize,
+) -> i32 {
+    guard_value(0, || {
+        // SAFETY: NULL or alive, by the contract of the header.
+        let entry = unsafe { holes.as_ref() }?.entries.get(hole)?;
+        let known = entry.sources.get(source)?;
+        // SAFETY: the caller answers for `info_size` writable bytes.
+        unsafe { write_struct(info, info_size, |struct_size| CSource { struct_size, ..*known }) }
     })
 }
 

@@ -20,14 +20,14 @@ pub enum CVertexType {
 pub enum CMethod {
     /// Smooth completion: triangulation, refinement, fairing.
     Smooth = 0,
-    /// Coherent completion, which continues what the object shows. Not in this version:
-    /// COMPLETE_MESH_STATUS_UNSUPPORTED.
+    /// Coherent completion: continues what the object shows. A hole for which nothing on the object
+    /// serves gets a smooth fill; the method of its complete_mesh_hole says so.
     Coherent = 1,
     /// Coherent completion as Harary, Tal and Grinspun (2014) describe it, to compare with; slow.
     Harary = 2,
 }
 
-/// The smooth surface that a hole is filled with.
+/// The smooth surface that a hole is filled with, or that its coherent fill starts from.
 #[repr(C)]
 pub enum CFairing {
     /// The best of the others for each hole, chosen by what its surroundings show.
@@ -133,7 +133,7 @@ pub struct COptions {
     pub vertex_stride: usize,
     /// Bytes from one face to the next; any number from 12. Default: 0, packed.
     pub face_stride: usize,
-    /// A complete_mesh_method. Default: COMPLETE_MESH_METHOD_SMOOTH.
+    /// A complete_mesh_method. Default: COMPLETE_MESH_METHOD_COHERENT.
     pub method: u32,
     /// A complete_mesh_fairing. Default: COMPLETE_MESH_FAIRING_AUTO.
     pub fairing: u32,
@@ -195,7 +195,7 @@ impl COptions {
             vertex_type: CVertexType::F32 as u32,
             vertex_stride: 0,
             face_stride: 0,
-            method: CMethod::Smooth as u32,
+            method: CMethod::Coherent as u32,
             fairing: CFairing::Auto as u32,
             sizing: CSizing::Surroundings as u32,
             grouping: CGrouping::Automatic as u32,

@@ -6,13 +6,37 @@ use super::holes::Holes;
 use super::input::Input;
 use super::options::CVertexType;
 use crate::holes::HoleList;
-use crate::result::Completion;
+use crate::result::{Completion, Origin};
 use std::ffi::c_void;
 
 /// Packed positions, in the number type of the input.
 enum Positions {
     Single(Vec<[f32; 3]>),
     Double(Vec<[f64; 3]>),
+}
+
+/// Where the new vertices come from, an array for each question.
+struct Origins {
+    faces: Vec<u32>,
+    barycentrics: Vec<[f64; 3]>,
+    sources: Vec<u32>,
+    confidences: Vec<f64>,
+}
+
+impl Origins {
+    fn new(origins: &[Origin]) -> Result<Self, Failure> {
+        fn column<T>(origins: &[Origin], of: impl Fn(&Origin) -> T) -> Result<Vec<T>, Failure> {
+            let mut all = reserved(origins.len())?;
+            all.extend(origins.iter().map(of));
+            Ok(all)
+        }
+        Ok(Self {
+            faces: column(origins, |o| o.face)?,
+            barycentrics: column(origins, |o| o.barycentric)?,
+            sources: column(origins, |o| o.source)?,
+            confidences: column(origins, |o| o.confidence)?,
+        })
+    }
 }
 
 /// A completed mesh. Opaque; read by the functions complete_mesh_result_..., from any number of
@@ -26,6 +50,7 @@ pub struct MeshResult {
     input_counts: (usize, usize),
     whole_mesh: bool,
     vertex_hole: Vec<u32>,
+    origins: Origins,
     face_hole: Vec<u32>,
     holes: Holes,
     seconds: f64,
@@ -84,6 +109,7 @@ impl MeshResult {
             whole_mesh,
             holes: Holes::new(list, &completion.holes),
             vertex_hole: completion.vertex_hole,
+            origins: Origins::new(&completion.origins)?,
             face_hole: completion.face_hole,
             seconds: completion.seconds,
             cpu_seconds: completion.cpu_seconds,
@@ -217,6 +243,53 @@ pub unsafe extern "C" fn complete_mesh_result_new_vertex_holes(
 ) -> *const u32 {
     // SAFETY: as above.
     unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.vertex_hole))) }
+}
+
+/// For each new vertex the input face that its detail was copied from; UINT32_MAX if from nowhere
+/// (a smooth fill, a gap in the source). NULL if there are no new vertices. The array belongs to the
+/// result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_source_faces(
+    result: *const MeshResult,
+) -> *const u32 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.origins.faces))) }
+}
+
+/// For each new vertex where on its source face it was copied from: three numbers, the weights of
+/// the face's corners in the face's order, which sum to 1; three zeros without a source face. The
+/// source's transform takes that point near the new vertex: what is between them is the smooth
+/// deformation that joins the copy to the rim. NULL if there are no new vertices. The array belongs
+/// to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_barycentrics(
+    result: *const MeshResult,
+) -> *const f64 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.origins.barycentrics))) }.cast()
+}
+
+/// For each new vertex the source that gave its detail, an index for complete_mesh_holes_source
+/// with the vertex's own hole; UINT32_MAX without one. NULL if there are no new vertices. The array
+/// belongs to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_sources(
+    result: *const MeshResult,
+) -> *const u32 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.origins.sources))) }
+}
+
+/// For each new vertex a confidence, 0 (nothing on the object backs it) to 1. From 0.8 the source
+/// predicted known surface that was hidden from it with at most half the error of a smooth surface;
+/// below 0.5 it did worse than one. NULL if there are no new vertices. The array belongs to the
+/// result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_confidences(
+    result: *const MeshResult,
+) -> *const f64 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.origins.confidences))) }
 }
 
 /// For each new face the id of the hole that it fills. NULL if there are none. The array belongs to

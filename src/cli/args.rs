@@ -57,10 +57,10 @@ pub(super) struct FillArgs {
     /// Mesh file to write; its name's ending says the format. May be IN itself
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// How a fill is made; this version has smooth and harary
-    #[arg(long, value_enum, default_value = "smooth")]
+    /// How a fill is made; this version has coherent, smooth and harary
+    #[arg(long, value_enum, default_value = "coherent")]
     pub method: MethodName,
-    /// The smooth surface
+    /// The smooth surface, which a coherent fill starts from
     #[arg(long, default_value = "auto", value_name = "NAME", value_parser = fairing_parser())]
     pub fairing: Fairing,
     #[command(flatten)]
@@ -75,12 +75,15 @@ pub(super) struct FillArgs {
     /// Write a report in JSON
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Mark the new vertices in the output (PLY)
+    /// Say of each vertex in the output where it comes from (PLY)
     #[arg(long)]
     pub provenance: bool,
     /// Write a picture (PNG): before and after, with a close-up on each hole
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
+    /// Colour the fill in the picture by its sources, and the sources in the same colours
+    #[arg(long, requires = "picture")]
+    pub tint: bool,
     /// Worker threads; 0: as many as the machine has cores
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub threads: usize,
@@ -328,7 +331,8 @@ mod tests {
     #[test]
     fn without_flags_the_options_are_the_defaults() {
         assert_eq!(options(""), Options::default());
-        assert_eq!(options("--method smooth --report r.json"), Options::default());
+        assert_eq!(options("--method coherent --report r.json"), Options::default());
+        assert_eq!(options("--method smooth").method, Method::Smooth);
     }
 
     #[test]
@@ -378,6 +382,7 @@ mod tests {
             "--fairing c9",
             "--method smoth",
             "--threads -1",
+            "--tint",
         ] {
             let error = fill(line).expect_err(line);
             assert!(error.use_stderr(), "{line}");
@@ -388,7 +393,7 @@ mod tests {
 
     #[test]
     fn methods_of_other_versions_are_refused_by_name() {
-        for name in ["coherent", "warp", "fragment"] {
+        for name in ["warp", "fragment"] {
             let failure = fill(&format!("--method {name}")).unwrap().options().unwrap_err();
             assert_eq!(failure.code(), 4);
             assert!(failure.to_string().contains(name), "{failure}");

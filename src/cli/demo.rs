@@ -51,7 +51,7 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<(), Failure> {
     document.append(&completion, &Extras::default())?;
     outputs.stage(&completed_path, |w| w.write_all(document.as_bytes()))?;
     console.step("draw");
-    let image = draw(&document, &holes, &completion);
+    let image = draw(&document, &holes, &completion, false);
     outputs.stage(&picture_path, |w| image.write_png(w))?;
     super::check_interrupt()?;
     outputs.commit()?;
@@ -59,12 +59,12 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<(), Failure> {
 
     for (hole, report) in holes.holes.iter().zip(&completion.holes) {
         console.say(&format!(
-            "Hole {}: {} edges around; filled with {} vertices and {} faces (fairing {}).",
+            "Hole {}: {} edges around; filled with {} vertices and {} faces: {}.",
             hole.id,
             hole.edges,
             report.vertices.len(),
             report.faces.len(),
-            report.fairing.name()
+            report.summary()
         ));
     }
     console.say(&format!(

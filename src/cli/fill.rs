@@ -13,10 +13,13 @@ use crate::holes::HoleList;
 use crate::io::{Document, Extras, Format, IoError};
 use crate::mesh::MeshView;
 use crate::options::Options;
-use crate::picture::{before_and_after, Image, Shape};
+use crate::picture::{before_and_after, with_sources, Image, Shape};
 use crate::progress::Monitor;
 use crate::result::{Completion, HoleStatus};
 use std::path::Path;
+
+/// Holes that the summary tells about one by one.
+const TOLD: usize = 12;
 
 pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     let options = args.options()?;
@@ -34,7 +37,7 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     let mut outputs = Outputs::default();
     if let Some(path) = &args.picture {
         console.step("draw");
-        let image = draw(&document, &holes, &completion);
+        let image = draw(&document, &holes, &completion, args.tint);
         outputs.stage(path, |w| image.write_png(w))?;
     }
     let output = describe(&args.output, &document);
@@ -50,7 +53,7 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     check_interrupt()?;
     outputs.commit()?;
     console.clear();
-    tell(&report, console);
+    tell(&report, &completion, console);
     Ok(())
 }
 
@@ -91,7 +94,12 @@ pub(super) fn complete(
 }
 
 /// Both pictures from the completed document: the input's faces come first in it.
-pub(super) fn draw(document: &Document, holes: &HoleList, completion: &Completion) -> Image {
+pub(super) fn draw(
+    document: &Document,
+    holes: &HoleList,
+    completion: &Completion,
+    tint: bool,
+) -> Image {
     let view = document.faces();
     let faces: Vec<[u32; 3]> = (0..view.len()).map(|f| view.get(f)).collect();
     let colours: Option<Vec<[u8; 3]>> =
@@ -99,6 +107,7 @@ pub(super) fn draw(document: &Document, holes: &HoleList, completion: &Completio
     let shape = |count: usize| Shape {
         mesh: MeshView::new(document.vertices(), &faces[..count]),
         colours: colours.as_deref(),
+        tints: None,
     };
     let filled: Vec<usize> = completion
         .holes
@@ -106,7 +115,12 @@ pub(super) fn draw(document: &Document, holes: &HoleList, completion: &Completio
         .filter(|h| h.status != HoleStatus::NotSelected)
         .map(|h| h.hole)
         .collect();
-    before_and_after(&shape(completion.input_face_count), &shape(faces.len()), holes, &filled)
+    let (before, after) = (shape(completion.input_face_count), shape(faces.len()));
+    if tint {
+        with_sources(&before, &after, holes, &filled, completion)
+    } else {
+        before_and_after(&before, &after, holes, &filled)
+    }
 }
 
 fn describe(path: &Path, document: &Document) -> File {
@@ -135,7 +149,7 @@ pub(super) fn convert(
 }
 
 /// The summary.
-fn tell(report: &Report, console: &Console) {
+fn tell(report: &Report, completion: &Completion, console: &Console) {
     tell_warnings(&report.warnings, console);
     for hole in &report.holes {
         if let Some(reason) = &hole.reason {
@@ -156,6 +170,14 @@ fn tell(report: &Report, console: &Console) {
             report.fill_seconds,
             report.fill_cpu_seconds,
         ));
+        let filled = || completion.holes.iter().filter(|h| h.status == HoleStatus::Filled);
+        for hole in filled().take(TOLD) {
+            console.say(&format!("  hole {}: {}", hole.hole, hole.summary()));
+        }
+        if filled().count() > TOLD {
+            let more = plural(filled().count() - TOLD, "more hole");
+            console.say(&format!("  and {more}; --report lists all"));
+        }
     }
     console.say(&format!("wrote {}", report.output.path));
 }

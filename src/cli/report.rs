@@ -3,7 +3,7 @@
 use crate::holes::{Hole, HoleKind, HoleList};
 use crate::mesh::MeshView;
 use crate::options::Options;
-use crate::result::{Completion, HoleStatus};
+use crate::result::{Completion, HoleStatus, SourceReport};
 use serde::Serialize;
 
 /// At most this many elements of a warning are listed; their count is always given.
@@ -45,12 +45,44 @@ pub(super) struct HoleEntry {
     pub measured: Measured,
     pub status: &'static str,
     pub reason: Option<String>,
+    /// The one that made the fill.
     pub method: Option<&'static str>,
     pub fairing: Option<&'static str>,
+    pub confidence: f64,
+    /// Before and after.
     pub coherence_error: Option<[f64; 2]>,
+    pub sources: Vec<SourceEntry>,
     pub new_vertices: usize,
     pub new_faces: usize,
     pub seconds: f64,
+}
+
+/// A place that a fill was continued from.
+#[derive(Debug, Serialize)]
+pub(super) struct SourceEntry {
+    /// Rows of a matrix, rotation and translation.
+    pub transform: [[f64; 4]; 3],
+    pub mirrored: bool,
+    pub error: f64,
+    pub weight: f64,
+    pub vertices: usize,
+}
+
+impl SourceEntry {
+    fn of(source: &SourceReport) -> Self {
+        let (rows, t) = (source.transform.linear.transpose(), source.transform.translation);
+        let row = |i: usize| {
+            let r = rows.col(i);
+            [r.x, r.y, r.z, t[i]]
+        };
+        Self {
+            transform: [0, 1, 2].map(row),
+            mirrored: source.transform.is_mirrored(),
+            error: source.error,
+            weight: source.weight,
+            vertices: source.vertices,
+        }
+    }
 }
 
 /// What a hole looks like.
@@ -136,7 +168,9 @@ impl Report {
                     reason,
                     method: (status == "filled").then(|| report.method.name()),
                     fairing: (status == "filled").then(|| report.fairing.name()),
+                    confidence: report.confidence,
                     coherence_error: report.coherence_error,
+                    sources: report.sources.iter().map(SourceEntry::of).collect(),
                     new_vertices: report.vertices.len(),
                     new_faces: report.faces.len(),
                     seconds: report.seconds,

@@ -11,10 +11,10 @@
 //! - Algorithm 1 ends at the first update that does not lower the error. The first update stands all
 //!   the same, since it raises the error, a little, at half of the holes tried; a later one that
 //!   does is undone.
-//! - Not every vertex of a large hole is the centre of a target patch: [`MOST_TARGETS`], spread
+//! - Not every vertex of a large hole is the centre of a target patch: `MOST_TARGETS`, spread
 //!   evenly. With patches of 30 to 400 vertices each vertex still lies in dozens.
-//! - The rounds end after [`MOST_ROUNDS`], and a patch of the fine object has a radius of
-//!   [`RADIUS_RANGE`] edges: bounds of the cost.
+//! - The rounds end after `MOST_ROUNDS`, and a patch of the fine object has a radius of
+//!   `RADIUS_RANGE` edges: bounds of the cost.
 //! - The holes of an object are completed one by one; the fills of the others are no source.
 
 use crate::descriptor::ball::Balls;

@@ -2,6 +2,7 @@
 //! together.
 
 mod check;
+mod coherent;
 pub mod harary;
 mod smooth;
 mod workers;
@@ -10,24 +11,30 @@ use crate::error::{Error, Result};
 use crate::fill::sheet::Incidence;
 use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
+use crate::matching::source::Source;
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
 use crate::options::{Fairing, Grouping, Method, Options};
+#[cfg(feature = "capi")]
+pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
-use crate::result::{Completion, HoleReport, HoleStatus};
+use crate::result::{Completion, HoleReport, HoleStatus, Origin};
 use check::{Obstacles, Rounding};
+use coherent::Library;
 use cpu_time::ProcessTime;
 use glam::DVec3;
 use smooth::{fill_hole, Fill, Surroundings};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
-#[cfg(feature = "capi")]
-pub(crate) use workers::WORKER;
 
 /// How far around its rim a hole's neighbourhood reaches, in diameters: a fill seldom bulges
 /// more, and the soft bands of the fairings need half of it.
 const REACH: f64 = 0.3;
 /// And at least this many mean rim edges.
 const REACH_EDGES: f64 = 6.0;
+
+/// The part of a coherent fill's time in which its initial completion is made.
+const SMOOTH_SHARE: f64 = 0.1;
 
 /// Completes a mesh in one call, in silence. See [`Completer`] for the parts.
 pub fn complete_mesh<'a>(
@@ -53,6 +60,8 @@ pub fn complete_mesh_with(
 pub struct Completer<'a> {
     mesh: MeshView<'a>,
     holes: HoleList,
+    /// Made when a coherent completion first asks for it.
+    library: OnceLock<Library>,
     /// Wall and CPU time of finding the holes.
     spent: (Duration, Duration),
 }
@@ -66,7 +75,12 @@ impl<'a> Completer<'a> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
         monitor.step(0.0, "finding holes")?;
         let holes = find_holes(mesh, grouping, monitor)?;
-        Ok(Self { mesh, holes, spent: (clock.elapsed(), cpu.elapsed()) })
+        Ok(Self { mesh, holes, library: OnceLock::new(), spent: (clock.elapsed(), cpu.elapsed()) })
+    }
+
+    fn library(&self) -> &Library {
+        let rims = || self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied());
+        self.library.get_or_init(|| Library::new(Source::new(self.mesh, rims())))
     }
 
     /// The holes found.
@@ -97,13 +111,13 @@ impl<'a> Completer<'a> {
         monitor.step(0.1, "filling")?;
         let mut outcomes = workers::run(todo.len(), options.threads, monitor, &|i, check| {
             let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
-            self.fill_one(&around, &obstacles, todo[i], check)
+            self.fill_one(&around, &obstacles, todo[i], todo.len(), options, check)
         })?;
         if options.method == Method::Harary {
             self.make_coherent(&around, &boxes, &mut outcomes, monitor)?;
         }
         monitor.step(0.95, "checking the fills against each other")?;
-        self.part_fills(&around, &boxes, &todo, &mut outcomes, monitor)?;
+        self.part_fills(&around, &boxes, &todo, &mut outcomes, options, monitor)?;
         let mut completion = self.assemble(&near, &wanted, &todo, outcomes, options)?;
         completion.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
         completion.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
@@ -136,11 +150,14 @@ impl<'a> Completer<'a> {
         bounds.grown(REACH * hole.diameter + REACH_EDGES * edge)
     }
 
+    /// Fills one of `holes` that are worked on.
     fn fill_one(
         &self,
         around: &Surroundings<'_>,
         obstacles: &Obstacles<'_>,
         hole: &Hole,
+        holes: usize,
+        options: &Options,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Outcome> {
         let clock = Instant::now();
@@ -154,7 +171,15 @@ impl<'a> Completer<'a> {
         let Some(loops) = loops else {
             return Ok(Err(("its rim was not found again".into(), 0.0)));
         };
-        let filled = fill_hole(around, &loops, obstacles, check)?;
+        // The smooth fill is there early; most of a coherent one's time comes after it.
+        let share = if options.method == Method::Coherent { SMOOTH_SHARE } else { 1.0 };
+        let early = |part: f64| check(share * part);
+        let late = |part: f64| check(share + (1.0 - share) * part);
+        let mut filled = fill_hole(around, &loops, obstacles, &early)?;
+        if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
+            let threads = workers::threads_inside(holes, options.threads);
+            self.continue_fill(around, obstacles, fill, threads, &late)?;
+        }
         let seconds = clock.elapsed().as_secs_f64();
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
     }
@@ -196,6 +221,24 @@ impl<'a> Completer<'a> {
         Ok(())
     }
 
+    /// A smooth fill continued from what the object shows; it stands where nothing on the object serves
+    /// or the result meets something.
+    fn continue_fill(
+        &self,
+        around: &Surroundings<'_>,
+        obstacles: &Obstacles<'_>,
+        fill: &mut Fill,
+        threads: usize,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<()> {
+        let made = coherent::complete_hole(around, fill, self.library(), threads, check)?;
+        let Some((patch, story)) = made else { return Ok(()) };
+        if let Ok(patch) = obstacles.settle(around, patch, &|| check(0.95))? {
+            (fill.patch, fill.story, fill.method) = (patch, Some(story), Method::Coherent);
+        }
+        Ok(())
+    }
+
     /// Fills made side by side may meet: the later one is then made again around the earlier.
     fn part_fills(
         &self,
@@ -203,6 +246,7 @@ impl<'a> Completer<'a> {
         boxes: &[Bounds],
         todo: &[&Hole],
         outcomes: &mut [Outcome],
+        options: &Options,
         monitor: &Monitor,
     ) -> Result<()> {
         let bounds: Vec<Bounds> = outcomes
@@ -240,7 +284,8 @@ impl<'a> Completer<'a> {
                 _ => false,
             };
             if meets {
-                outcomes[i] = self.fill_one(around, &obstacles, todo[i], &|_| monitor.check())?;
+                outcomes[i] =
+                    self.fill_one(around, &obstacles, todo[i], 1, options, &|_| monitor.check())?;
             }
         }
         Ok(())
@@ -261,6 +306,7 @@ impl<'a> Completer<'a> {
             vertices: Vec::new(),
             faces: Vec::new(),
             vertex_hole: Vec::new(),
+            origins: Vec::new(),
             face_hole: Vec::new(),
             holes: self.holes.holes.iter().map(|h| blank_report(h, wanted[h.id])).collect(),
             seconds: 0.0,
@@ -281,6 +327,10 @@ impl<'a> Completer<'a> {
                     report.method = fill.method;
                     report.coherence_error = fill.coherence_error;
                     report.fairing = fill.fairing;
+                    if let Some(story) = fill.story {
+                        report.sources = story.sources;
+                        report.confidence = story.confidence;
+                    }
                     report.seconds = seconds;
                 }
                 Err((reason, seconds)) => {
@@ -307,8 +357,10 @@ fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
         loops: hole.loops.clone(),
         status,
         method: Method::Smooth,
-        coherence_error: None,
         fairing: Fairing::Auto,
+        sources: Vec::new(),
+        confidence: 0.0,
+        coherence_error: None,
         vertices: 0..0,
         faces: 0..0,
         seconds: 0.0,
@@ -326,6 +378,10 @@ fn append(near: &Neighbourhood, fill: &Fill, hole: usize, out: &mut Completion) 
     }
     out.vertices.extend(new.iter().map(|p| p.to_array()));
     out.vertex_hole.resize(out.vertices.len(), hole as u32);
+    match &fill.story {
+        Some(story) => out.origins.extend_from_slice(&story.origins),
+        None => out.origins.resize(out.vertices.len(), Origin::NOWHERE),
+    }
     let index = |v: u32| match (v as usize).checked_sub(rim) {
         Some(i) => (base + i) as u32,
         None => near.vertices[fill.outline.vertices[v as usize] as usize],

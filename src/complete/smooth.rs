@@ -19,6 +19,7 @@ use crate::fill::triangulate::{triangulate, ALL_PAIRS};
 use crate::mesh::neighbourhood::{FacePlaces, Neighbourhood};
 use crate::options::{Fairing, Method, Sizing};
 use crate::progress::Pace;
+use crate::result::{Origin, SourceReport};
 use glam::DVec3;
 
 /// Share of the hole's radius that is hidden from the predictions: measured with 0.05, 0.1, 0.2
@@ -65,6 +66,18 @@ pub struct Fill {
     pub method: Method,
     /// See [`crate::HoleReport::coherence_error`].
     pub coherence_error: Option<[f64; 2]>,
+    /// Where it was continued from, unless it is smooth.
+    pub story: Option<Story>,
+}
+
+/// Where a fill was continued from.
+pub struct Story {
+    /// For each new vertex of the patch.
+    pub origins: Vec<Origin>,
+    /// See [`crate::HoleReport::sources`].
+    pub sources: Vec<SourceReport>,
+    /// See [`crate::HoleReport::confidence`].
+    pub confidence: f64,
 }
 
 /// Fills one hole whose loops are given in neighbourhood vertices. `check` is called between the
@@ -111,9 +124,9 @@ pub fn fill_hole(
                 Ok(patch) => {
                     // The blend is a thin plate with a share of curvature.
                     let fairing = if attempt == Fairing::Auto { Fairing::C1 } else { attempt };
-                    let method = Method::Smooth;
-                    let coherence_error = None;
-                    return Ok(Ok(Fill { outline, patch, fairing, method, coherence_error }));
+                    let (method, coherence_error, story) = (Method::Smooth, None, None);
+                    let made = Fill { outline, patch, fairing, method, coherence_error, story };
+                    return Ok(Ok(made));
                 }
                 Err(why) => reason = why,
             }

@@ -5,20 +5,15 @@
 //! progress function from its workers, and a host's callback must come from the calling thread.
 
 use crate::error::Result;
+use crate::parallel::{thread_count, BEAT, WORKER};
 use crate::progress::Monitor;
 use std::cell::Cell;
 use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
-use std::time::Duration;
-
-/// Name of the worker threads, by which the C ABI knows their panics from the host's.
-pub(crate) const WORKER: &str = "complete-mesh";
 
 /// Holes from which on a second thread pays: starting one costs as much as a small fill.
 const FEW: usize = 4;
-/// How long the calling thread waits between two looks at the progress function.
-const BEAT: Duration = Duration::from_millis(25);
 /// The part of the whole call's progress that the holes are.
 const SPAN: (f64, f64) = (0.1, 0.95);
 
@@ -26,6 +21,16 @@ const SPAN: (f64, f64) = (0.1, 0.95);
 pub type Job<'a, T> = &'a (dyn Fn(usize, Check<'_>) -> Result<T> + Sync);
 /// Called with the fraction of the job done; fails when the work shall stop.
 pub type Check<'a> = &'a dyn Fn(f64) -> Result<()>;
+
+/// The threads that each of `count` holes may use inside: all of them if the holes are worked on one
+/// after the other, else one.
+pub fn threads_inside(count: usize, threads: usize) -> usize {
+    if count < FEW {
+        thread_count(threads)
+    } else {
+        1
+    }
+}
 
 /// Does jobs 0 to `count` and returns their results in order. A job calls its `check` with the
 /// fraction it has done.
@@ -36,9 +41,7 @@ pub fn run<T: Send>(
     job: Job<'_, T>,
 ) -> Result<Vec<T>> {
     let fraction = |done: f64| SPAN.0 + (SPAN.1 - SPAN.0) * done / count.max(1) as f64;
-    let available = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let threads = if threads == 0 { available } else { threads };
-    let threads = threads.min(count / FEW * 2).max(1);
+    let threads = thread_count(threads).min(count / FEW * 2).max(1);
     if threads == 1 {
         let one = |i: usize| {
             // A job that starts anew must not turn the progress back.

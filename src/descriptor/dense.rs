@@ -16,6 +16,10 @@ use faer::{Conj, Mat, MatMut, MatRef, Par, Side};
 /// counts); `None` if the iteration fails.
 pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Option<(Vec<f64>, Mat<f64>)> {
     let n = a.nrows();
+    if n == 0 {
+        // faer subtracts one from the size.
+        return Some((Vec::new(), Mat::zeros(0, 0)));
+    }
     let (mut values, mut vectors) = (Diag::<f64>::zeros(n), Mat::zeros(n, n));
     let (par, params) = (Par::Seq, Default::default());
     let request = evd::self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, params);

@@ -1,7 +1,7 @@
 //! What the surroundings of a vertex look like, from near to far: heat kernel signatures of
 //! vertices and patches, computed once a mesh.
 //!
-//! [`simplify`] makes a coarse mesh of even triangles, [`spectrum`] its lowest eigenpairs,
+//! [`simplify()`] makes a coarse mesh of even triangles, [`spectrum`] its lowest eigenpairs,
 //! [`heat`] the signatures, [`prolong`] takes them back to the fine mesh, and [`patch_signature`]
 //! describes and compares patches. [`Spectral`] holds all that does not depend on the patches.
 

@@ -196,6 +196,85 @@ impl Bvh {
     }
 }
 
+impl Bvh {
+    /// Where the line `origin` + t `direction`, |t| ≤ `reach`, meets a face that `accept` takes,
+    /// with the least |t|; of equal ones the smaller face. Returns the face and t.
+    pub fn meet_line(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        reach: f64,
+        mut accept: impl FnMut(u32, &Triangle) -> bool,
+    ) -> Option<(u32, f64)> {
+        let inverse = direction.recip();
+        let mut best: Option<(u32, f64)> = None;
+        let mut limit = reach;
+        let mut stack = [0u32; STACK];
+        let mut depth = usize::from(!self.nodes.is_empty());
+        while depth > 0 {
+            depth -= 1;
+            let at = stack[depth] as usize;
+            let node = &self.nodes[at];
+            if !crosses(&node.bounds, origin, inverse, limit) {
+                continue;
+            }
+            if node.count == 0 {
+                stack[depth] = node.first;
+                stack[depth + 1] = at as u32 + 1;
+                depth += 2;
+                continue;
+            }
+            let first = node.first as usize;
+            for k in first..first + node.count as usize {
+                let Some(t) = line_parameter(origin, direction, &self.triangles[k]) else {
+                    continue;
+                };
+                let face = self.faces[k];
+                let better = match best {
+                    Some((f, s)) => t.abs() < s.abs() || t.abs() == s.abs() && face < f,
+                    None => t.abs() <= limit,
+                };
+                if better && accept(face, &self.triangles[k]) {
+                    best = Some((face, t));
+                    limit = t.abs();
+                }
+            }
+        }
+        best
+    }
+}
+
+/// Whether the line within |t| ≤ `limit` meets a box (slab test, borders included).
+fn crosses(b: &Aabb, origin: DVec3, inverse: DVec3, limit: f64) -> bool {
+    let (mut lo, mut hi) = (-limit, limit);
+    for d in 0..3 {
+        let (s, t) = ((b.lo[d] - origin[d]) * inverse[d], (b.hi[d] - origin[d]) * inverse[d]);
+        // 0 · ∞: a line in a side of the box, which bounds nothing.
+        if !(s.is_nan() || t.is_nan()) {
+            lo = lo.max(s.min(t));
+            hi = hi.min(s.max(t));
+        }
+    }
+    lo <= hi
+}
+
+/// Parameter at which a line meets a triangle (Möller and Trumbore 1997), borders included.
+fn line_parameter(origin: DVec3, direction: DVec3, t: &Triangle) -> Option<f64> {
+    let (e1, e2) = (t[1] - t[0], t[2] - t[0]);
+    let p = direction.cross(e2);
+    let det = e1.dot(p);
+    if det == 0.0 {
+        return None;
+    }
+    let s = origin - t[0];
+    let u = s.dot(p) / det;
+    let q = s.cross(e1);
+    let v = direction.dot(q) / det;
+    // A line through an edge must not slip between its two faces by rounding.
+    let slack = 1e-12;
+    (u >= -slack && v >= -slack && u + v <= 1.0 + slack).then(|| e2.dot(q) / det)
+}
+
 /// Appends the subtree over `items`, whose first entry has the number `first`; returns its box.
 fn build_node(nodes: &mut Vec<Node>, items: &mut [Item], first: u32, all: &[Triangle]) -> Aabb {
     let at = nodes.len();

@@ -326,6 +326,7 @@ mod tests {
             input_face_count: 0,
             vertices: place(&new).iter().map(|p| [p[0], p[1], 0.0]).collect(),
             vertex_hole: vec![0; new.len()],
+            origins: vec![crate::Origin::NOWHERE; new.len()],
             face_hole: vec![0; faces.len()],
             faces,
             holes: Vec::new(),

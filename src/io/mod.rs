@@ -94,9 +94,19 @@ impl fmt::Display for Format {
 /// What is written besides the fill itself.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Extras {
-    /// Tells new vertices from old ones in the file. PLY gets two columns: `completed` (uchar: 1
-    /// for new vertices, else 0) and `hole` (int: the hole's id, -1 for input vertices). The other
-    /// formats have no place for it: there it is [`IoError::Unsupported`].
+    /// Says of each vertex where it comes from. PLY gets the columns
+    ///
+    /// - `completed` (uchar): 1 for new vertices, else 0;
+    /// - `hole` (int): the hole's id;
+    /// - `source_face` (int): the input face that the detail was copied from;
+    /// - `source_u`, `source_v` (float): where on it, as the weights of its second and third
+    ///   corner; 0 without a source face;
+    /// - `source` (int): index into [`crate::HoleReport::sources`];
+    /// - `confidence` (float): 0 to 1, see [`crate::Origin::confidence`].
+    ///
+    /// The integers but `completed` are -1 for none, as of input vertices. A column of such a name
+    /// that the file has already is not added again and keeps its values; new vertices get theirs.
+    /// The other formats have no place for it: there it is [`IoError::Unsupported`].
     pub provenance: bool,
 }
 
@@ -336,6 +346,7 @@ impl Document {
         let total = counts[0] + completion.vertices.len();
         if u32::try_from(total).is_err()
             || completion.vertex_hole.len() != completion.vertices.len()
+            || completion.origins.len() != completion.vertices.len()
         {
             return mismatch(format!("its arrays do not fit {total} vertices"));
         }

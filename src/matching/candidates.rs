@@ -3,10 +3,10 @@
 //! time domains.
 //!
 //! Differences from the paper:
-//! - On large objects every n-th source vertex is a centre ([`MOST_SOURCES`]), and k is 0.1 % of
+//! - On large objects every n-th source vertex is a centre (`MOST_SOURCES`), and k is 0.1 % of
 //!   those: as large a part of the surface as with all.
 //! - Of candidates that overlap by more than most of their radius only the best is kept
-//!   ([`APART`]), and not more than [`MOST_CANDIDATES`]: Eq. 4 is where the time goes.
+//!   (`APART`), and not more than `MOST_CANDIDATES`: Eq. 4 is where the time goes.
 
 use super::object::Object;
 use crate::descriptor::ball::Balls;

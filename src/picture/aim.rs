@@ -3,7 +3,9 @@
 use super::raster::Prepared;
 use super::{cross, length, sub, Camera};
 use crate::holes::{Hole, HoleList};
+use crate::matching::rigid::Rigid;
 use crate::mesh::MeshView;
+use glam::DVec3;
 
 /// Close-ups are this many hole diameters wide: the hole and as much around it.
 const FRAME: f64 = 2.2;
@@ -15,12 +17,46 @@ const ASIDE: f64 = 1.19;
 /// A camera that looks into a hole: against its outward direction or, where that shows clearly
 /// less of the rim than a look from aside, from there.
 pub(super) fn close_up(scene: &Prepared<'_>, holes: &HoleList, hole: &Hole) -> Camera {
-    let mesh = scene.mesh();
-    let rim: Vec<u32> =
-        hole.loops.iter().flat_map(|&l| holes.loops[l].vertices.iter().copied()).collect();
+    let front = outward(scene.mesh(), holes, hole);
+    frame(scene, &rim(scene.mesh(), holes, hole), front, hole.diameter)
+}
+
+/// The same of a place that a hole's fill comes from, as `transform` takes it to the hole.
+pub(super) fn source_close_up(
+    scene: &Prepared<'_>,
+    holes: &HoleList,
+    hole: &Hole,
+    transform: &Rigid,
+) -> Camera {
+    let back = transform.inverse();
+    let there: Vec<[f64; 3]> = rim(scene.mesh(), holes, hole)
+        .into_iter()
+        .map(|p| back.point(DVec3::from(p)).to_array())
+        .collect();
+    let front = source_front(scene.mesh(), holes, hole, transform);
+    frame(scene, &there, front, hole.diameter)
+}
+
+/// The direction out of such a place.
+pub(super) fn source_front(
+    mesh: MeshView<'_>,
+    holes: &HoleList,
+    hole: &Hole,
+    transform: &Rigid,
+) -> [f64; 3] {
+    let front = DVec3::from(outward(mesh, holes, hole));
+    transform.inverse().direction(front).to_array()
+}
+
+fn rim(mesh: MeshView<'_>, holes: &HoleList, hole: &Hole) -> Vec<[f64; 3]> {
+    let loops = hole.loops.iter().map(|&l| &holes.loops[l].vertices);
+    loops.flatten().map(|&v| mesh.vertices.get(v as usize)).collect()
+}
+
+/// A camera on what these points enclose, from `front` or from aside.
+fn frame(scene: &Prepared<'_>, rim: &[[f64; 3]], front: [f64; 3], diameter: f64) -> Camera {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &v in &rim {
-        let p = mesh.vertices.get(v as usize);
+    for p in rim {
         for k in 0..3 {
             low[k] = low[k].min(p[k]);
             high[k] = high[k].max(p[k]);
@@ -30,14 +66,10 @@ pub(super) fn close_up(scene: &Prepared<'_>, holes: &HoleList, hole: &Hole) -> C
     let extent = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
     let camera = |direction| {
         // The box's diagonal is longer than a thin ring is wide.
-        Camera::towards(centre, direction, FRAME * hole.diameter.max(0.7 * extent))
+        Camera::towards(centre, direction, FRAME * diameter.max(0.7 * extent))
     };
-    let probes: Vec<[f64; 3]> = rim
-        .iter()
-        .step_by(rim.len().div_ceil(PROBES).max(1))
-        .map(|&v| mesh.vertices.get(v as usize))
-        .collect();
-    let front = outward(mesh, holes, hole);
+    let probes: Vec<[f64; 3]> =
+        rim.iter().step_by(rim.len().div_ceil(PROBES).max(1)).copied().collect();
     let straight = camera(front);
     let seen = scene.count_visible(&straight, &probes);
     let aside = look_aside(front).map(camera);

@@ -11,7 +11,12 @@ pub struct Shape<'a> {
     pub mesh: MeshView<'a>,
     /// Colours of the vertices, if they have any; must be as many.
     pub colours: Option<&'a [[u8; 3]]>,
+    /// Colours that are laid over faces, if any; must be as many as the faces or more.
+    pub tints: Option<&'a [Option<[u8; 3]>]>,
 }
+
+/// Share of a tint in the colour of a face: the shape and its own colours still show.
+const TINT: f64 = 0.72;
 
 /// Light clay, in linear light.
 const CLAY: [f64; 3] = [0.62, 0.53, 0.42];
@@ -221,6 +226,12 @@ impl<'a> Prepared<'a> {
             (false, _) => INSIDE,
             (true, Some(c)) => mix(&|v| c[v].map(from_srgb)),
             (true, None) => CLAY,
+        };
+        let tint =
+            self.shape.tints.and_then(|t| t[f]).filter(|_| outside).map(|t| t.map(from_srgb));
+        let colour = match tint {
+            Some(t) => std::array::from_fn(|k| (1.0 - TINT) * colour[k] + TINT * t[k]),
+            None => colour,
         };
         light(normal, eye, colour)
     }

@@ -11,7 +11,7 @@ const SQUARE: [[f32; 3]; 4] =
 const FACES: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 
 fn draw(vertices: &[[f32; 3]], faces: &[[u32; 3]], camera: &Camera, size: [usize; 2]) -> Image {
-    let shape = Shape { mesh: MeshView::new(vertices, faces), colours: None };
+    let shape = Shape { mesh: MeshView::new(vertices, faces), colours: None, tints: None };
     raster::Prepared::new(&shape).draw(camera, size)
 }
 
@@ -60,10 +60,27 @@ fn the_nearer_face_wins_whatever_the_order() {
 #[test]
 fn vertex_colours_are_shown() {
     let colours = [[20, 180, 30]; 4];
-    let shape = Shape { mesh: MeshView::new(&SQUARE[..], &FACES[..]), colours: Some(&colours) };
+    let shape = Shape {
+        mesh: MeshView::new(&SQUARE[..], &FACES[..]),
+        colours: Some(&colours),
+        tints: None,
+    };
     let camera = Camera::towards([0.0; 3], [0.0, 0.0, 1.0], 1.0);
     let p = raster::Prepared::new(&shape).draw(&camera, [20, 20]).pixels[10 * 20 + 10];
     assert!(p[1] > p[0] + 60 && p[1] > p[2] + 60, "{p:?}");
+}
+
+#[test]
+fn tints_colour_their_faces_on_the_outside() {
+    let tints = [Some([0, 114, 178]), None];
+    let shape =
+        Shape { mesh: MeshView::new(&SQUARE[..], &FACES[..]), colours: None, tints: Some(&tints) };
+    let scene = raster::Prepared::new(&shape);
+    let image = scene.draw(&Camera::towards([0.0; 3], [0.0, 0.0, 1.0], 1.0), [20, 20]);
+    // The first face is the lower right half.
+    let (tinted, plain) = (image.pixels[15 * 20 + 15], image.pixels[4 * 20 + 4]);
+    assert!(tinted[2] > tinted[0] + 40, "{tinted:?}");
+    assert!(plain[0] > plain[2] + 20, "{plain:?}");
 }
 
 /// A list with one hole: the given rim.
@@ -117,8 +134,9 @@ fn close_ups_look_into_the_hole() {
     let (vertices, open, rim) = open_sphere();
     let mesh = Sample::Sphere.build(40).unwrap();
     let holes = one_hole(&vertices, rim);
-    let before = Shape { mesh: MeshView::new(&mesh.vertices[..], &open[..]), colours: None };
-    let after = Shape { mesh: mesh.view(), colours: None };
+    let before =
+        Shape { mesh: MeshView::new(&mesh.vertices[..], &open[..]), colours: None, tints: None };
+    let after = Shape { mesh: mesh.view(), colours: None, tints: None };
     let sheet = before_and_after(&before, &after, &holes, &[0]);
     assert_eq!(sheet.height, 2 * (VIEW[1] + GAP) + GAP);
     let y = GAP + VIEW[1] + GAP + VIEW[1] / 2;
@@ -135,7 +153,7 @@ fn at_most_six_close_ups_and_only_of_the_holes_asked_for() {
         let hole = Hole { id, ..holes.holes[0].clone() };
         holes.holes.push(hole);
     }
-    let shape = Shape { mesh: MeshView::new(&SQUARE[..], &FACES[..]), colours: None };
+    let shape = Shape { mesh: MeshView::new(&SQUARE[..], &FACES[..]), colours: None, tints: None };
     let rows = |shown: &[usize]| {
         (before_and_after(&shape, &shape, &holes, shown).height - GAP) / (VIEW[1] + GAP)
     };
@@ -146,7 +164,7 @@ fn at_most_six_close_ups_and_only_of_the_holes_asked_for() {
 fn degenerate_meshes_are_drawn_without_trouble() {
     let points = [[0.0f32; 3]; 3];
     for faces in [&[][..], &[[0, 1, 2]][..]] {
-        let shape = Shape { mesh: MeshView::new(&points[..], faces), colours: None };
+        let shape = Shape { mesh: MeshView::new(&points[..], faces), colours: None, tints: None };
         assert!(portrait(&shape, [16, 16]).pixels.iter().all(|&p| is_background(p)));
     }
 }
@@ -154,7 +172,7 @@ fn degenerate_meshes_are_drawn_without_trouble() {
 #[test]
 fn png_can_be_read_back() {
     let mesh = Sample::Torus.build(30).unwrap();
-    let image = portrait(&Shape { mesh: mesh.view(), colours: None }, [64, 48]);
+    let image = portrait(&Shape { mesh: mesh.view(), colours: None, tints: None }, [64, 48]);
     let mut file = Vec::new();
     image.write_png(&mut file).unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
@@ -170,7 +188,7 @@ fn a_hole_behind_something_is_looked_at_from_aside() {
     let (mut vertices, mut faces, rim) = open_sphere();
     let holes = one_hole(&vertices, rim.clone());
     let direction = |vertices: &[[f32; 3]], faces: &[[u32; 3]]| {
-        let shape = Shape { mesh: MeshView::new(vertices, faces), colours: None };
+        let shape = Shape { mesh: MeshView::new(vertices, faces), colours: None, tints: None };
         let camera = aim::close_up(&raster::Prepared::new(&shape), &holes, &holes.holes[0]);
         camera.turn([0.0, 1.0, 0.0])[2]
     };

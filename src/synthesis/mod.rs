@@ -1,8 +1,20 @@
-//! New geometry from what was found to fit.
+//! The new surface from what was found: sources projected, fitted, ranked and joined; and the steps of
+//! the paper's own method.
 
 pub mod anchors;
 pub mod coherence_error;
 pub mod describe;
+pub mod domain;
+pub mod factor;
 pub mod field;
+pub mod fit;
+pub mod join;
+pub mod labels;
 pub mod levels;
+pub mod project;
+pub mod rank;
 pub mod repair;
+#[cfg(test)]
+mod tests;
+pub mod view;
+pub mod window;

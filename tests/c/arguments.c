@@ -34,6 +34,10 @@ static void null_accessors(void) {
   CHECK(complete_mesh_result_new_vertices(NULL) == NULL);
   CHECK(complete_mesh_result_new_faces(NULL) == NULL);
   CHECK(complete_mesh_result_new_vertex_holes(NULL) == NULL);
+  CHECK(complete_mesh_result_new_vertex_source_faces(NULL) == NULL);
+  CHECK(complete_mesh_result_new_vertex_barycentrics(NULL) == NULL);
+  CHECK(complete_mesh_result_new_vertex_sources(NULL) == NULL);
+  CHECK(complete_mesh_result_new_vertex_confidences(NULL) == NULL);
   CHECK(complete_mesh_result_new_face_holes(NULL) == NULL);
   CHECK(complete_mesh_result_holes(NULL) == NULL);
   CHECK(complete_mesh_result_seconds(NULL) == 0);
@@ -151,8 +155,6 @@ void test_enums(void) {
   REFUSED(output, COMPLETE_MESH_OUTPUT_NEW_ONLY + 1);
   REFUSED(skip_unsafe, 2);
   expect_refused(offsetof(complete_mesh_options, threads), 1025, "threads", range);
-  expect_refused(offsetof(complete_mesh_options, method), COMPLETE_MESH_METHOD_COHERENT, "coherent",
-                 COMPLETE_MESH_STATUS_UNSUPPORTED);
   opts = defaults();
   opts.sizing = COMPLETE_MESH_SIZING_SCALED;
   opts.sizing_value = 100;

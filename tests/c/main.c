@@ -65,6 +65,7 @@ int main(int argc, char **argv) {
   test_inputs();
   test_holes();
   test_selection();
+  test_provenance();
   if (!memory_only) {
     test_versions();
     test_values();

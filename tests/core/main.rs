@@ -1,8 +1,10 @@
 //! The core chain against its contract: holes found, filled, nothing of the input touched.
 
 mod checker;
+mod coherent;
 mod contract;
 mod holes;
 mod meshes;
+mod provenance;
 mod random;
 mod surfaces;

@@ -4,7 +4,8 @@ use crate::checker::{check, filled_rims};
 use crate::meshes::{sheet, tube, within, Mesh};
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample};
 use complete_mesh::{
-    complete_mesh, find_holes, Completion, Fairing, Grouping, Monitor, Options, Selection, Sizing,
+    complete_mesh, find_holes, Completion, Fairing, Grouping, Method, Monitor, Options, Selection,
+    Sizing,
 };
 use glam::{DQuat, DVec3};
 
@@ -16,7 +17,7 @@ fn fill(mesh: &Mesh, options: &Options) -> Completion {
 }
 
 fn with(fairing: Fairing, selection: Selection) -> Options {
-    Options { fairing, selection, ..Options::default() }
+    Options { method: Method::Smooth, fairing, selection, ..Options::default() }
 }
 
 /// Greatest value of `f` over the new vertices, of which there must be some.

@@ -9,7 +9,7 @@ mod ply;
 mod stl;
 
 use complete_mesh::io::{Document, Format, IoError};
-use complete_mesh::Completion;
+use complete_mesh::{Completion, Origin};
 
 /// The roof: four faces around vertex 4, open at the square 0 1 2 3. Every format's sample.
 pub const ROOF: [[f64; 3]; 5] =
@@ -25,6 +25,12 @@ pub fn floor() -> Completion {
         vertices: vec![[0.5, 0.5, 0.0]],
         faces: vec![[1, 0, 5], [2, 1, 5], [3, 2, 5], [0, 3, 5]],
         vertex_hole: vec![7],
+        origins: vec![Origin {
+            face: 2,
+            barycentric: [0.25, 0.5, 0.25],
+            source: 1,
+            confidence: 0.75,
+        }],
         face_hole: vec![7; 4],
         holes: Vec::new(),
         seconds: 0.0,

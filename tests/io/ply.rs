@@ -49,16 +49,19 @@ fn a_rich_file_comes_back_and_only_grows() {
 }
 
 #[test]
-fn provenance_adds_two_columns_and_changes_nothing_else() {
+fn provenance_adds_its_columns_and_changes_nothing_else() {
     let mut d = read(RICH);
     d.append(&floor(), &PROVENANCE).unwrap();
     let out = text(&d);
-    assert!(out
-        .contains("short tags\r\nproperty uchar completed\r\nproperty int hole\r\nelement sensor"));
+    assert!(out.contains(
+        "short tags\r\nproperty uchar completed\r\nproperty int hole\r\nproperty int source_face\r\n\
+         property float source_u\r\nproperty float source_v\r\nproperty int source\r\n\
+         property float confidence\r\nelement sensor"
+    ));
     for row in ["0 0 0 0 10 254 3 2 5 6", "1.0  0 0 100 10 0 3 0", ".5 0.50 +0.75 9 9 9 9 0"] {
-        assert!(out.contains(&format!("\r\n{row} 0 -1\r\n")), "{out}");
+        assert!(out.contains(&format!("\r\n{row} 0 -1 -1 0 0 -1 0\r\n")), "{out}");
     }
-    assert!(out.contains("\r\n0.5 0.5 0 100 10 127 3 0 1 7\r\n"), "{out}");
+    assert!(out.contains("\r\n0.5 0.5 0 100 10 127 3 0 1 7 2 0.5 0.25 1 0.75\r\n"), "{out}");
     assert_whole(&d);
 
     // A second run finds the columns: old marks stay, new vertices get theirs.
@@ -67,12 +70,30 @@ fn provenance_adds_two_columns_and_changes_nothing_else() {
     (second.input_vertex_count, second.input_face_count) = (6, 8);
     second.faces = vec![[1, 0, 6]];
     second.vertex_hole = vec![2];
+    second.origins = vec![Origin::NOWHERE];
     again.append(&second, &PLAIN).unwrap();
     let rows: Vec<String> = text(&again).lines().map(str::to_owned).collect();
     assert!(
-        rows.iter().any(|r| r.ends_with("3 0 1 7")) && rows.iter().any(|r| r.ends_with(" 1 2"))
+        rows.iter().any(|r| r.ends_with("3 0 1 7 2 0.5 0.25 1 0.75"))
+            && rows.iter().any(|r| r.ends_with(" 1 2 -1 0 0 -1 0"))
     );
     assert_eq!(text(&again).matches("property int hole").count(), 1);
+}
+
+/// Scanners write a confidence, too: it goes on into a fill like any quantity, unless provenance
+/// is asked for; and old values stay in any case.
+#[test]
+fn a_scanners_confidence_is_not_taken_for_ours() {
+    let scan = RICH.replace("property int label", "property float confidence");
+    let mut plain = read(&scan);
+    plain.append(&floor(), &PLAIN).unwrap();
+    assert!(!text(&plain).contains(" 0.75 0\r\n") && !text(&plain).contains("source"));
+    let mut marked = read(&scan);
+    marked.append(&floor(), &PROVENANCE).unwrap();
+    let out = text(&marked);
+    assert_eq!(out.matches(" confidence\r\n").count(), 1);
+    assert!(out.contains("\r\n0.5 0.5 0 100 10 127 0.75 0 1 7 2 0.5 0.25 1\r\n"), "{out}");
+    assert!(out.contains("\r\n0 0 0 0 10 254 3 2 5 6 0 -1 -1 0 0 -1\r\n"), "{out}");
 }
 
 #[test]
@@ -80,6 +101,7 @@ fn an_empty_completion_changes_no_byte() {
     let mut d = read(RICH);
     let mut nothing = floor();
     (nothing.vertices, nothing.faces, nothing.vertex_hole) = (vec![], vec![], vec![]);
+    nothing.origins.clear();
     d.append(&nothing, &PLAIN).unwrap();
     assert_eq!(text(&d), RICH);
 }
@@ -157,6 +179,7 @@ fn polygons_stay_and_are_cut_for_the_analysis() {
     );
     let mut fill = floor();
     (fill.input_face_count, fill.vertices, fill.vertex_hole) = (3, vec![], vec![]);
+    fill.origins.clear();
     fill.faces = vec![[2, 1, 4], [1, 4, 0]];
     d.append(&fill, &PLAIN).unwrap();
     // The polygon's id for the face at its edge 1-2. The file's last line had no line end.

@@ -178,3 +178,63 @@ proptest! {
         prop_assert!(gap <= longest / f64::from(N));
     }
 }
+
+/// Where a line meets a triangle, in whole numbers: the signs of the three volumes that the line
+/// spans with the edges. `None` also for lines in the triangle's plane.
+fn exact_parameter(o: Corner, d: Corner, t: &GridTriangle) -> Option<f64> {
+    let sub = |a: Corner, b: Corner| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: Corner, b: Corner| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross = |a: Corner, b: Corner| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let n = cross(sub(t[1], t[0]), sub(t[2], t[0]));
+    let across = dot(d, n);
+    let volume = |k: usize| dot(d, cross(sub(t[k], o), sub(t[(k + 1) % 3], o)));
+    let v = [0, 1, 2].map(volume);
+    let one_side = v.iter().all(|&x| x >= 0) || v.iter().all(|&x| x <= 0);
+    (across != 0 && one_side).then(|| dot(sub(t[0], o), n) as f64 / across as f64)
+}
+
+proptest! {
+    /// On a small grid, where lines along the axes run in the sides of boxes, through edges and
+    /// through corners.
+    #[test]
+    fn a_line_meets_what_brute_force_says(
+        soup in prop::collection::vec(prop::array::uniform3(grid_corner()), 1..60),
+        origin in prop::array::uniform3(-1..5i64),
+        direction in prop_oneof![
+            prop::sample::select(
+                &[[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -2, 0], [1, 1, 0]][..]
+            ),
+            prop::array::uniform3(-3..4i64),
+        ],
+        reach in prop::sample::select(&[0.71, 1.37, 1e9, f64::INFINITY][..]),
+        third in 0..4u32,
+    ) {
+        prop_assume!(direction != [0; 3]);
+        let triangles: Vec<Triangle> = soup.iter().map(to_f64).collect();
+        let (positions, faces) = as_mesh(&triangles);
+        let exact = |f: u32| exact_parameter(origin, direction, &soup[f as usize]);
+        let allowed = |f: u32| third == 0 || f % 3 != third - 1;
+        let near = (0..soup.len() as u32)
+            .filter(|&f| allowed(f))
+            .filter_map(|f| exact(f).map(f64::abs))
+            .filter(|&t| t <= reach)
+            .fold(f64::INFINITY, f64::min);
+        let real = |c: Corner| DVec3::new(c[0] as f64, c[1] as f64, c[2] as f64);
+        let tree = Bvh::new(&positions, &faces);
+        let found = tree.meet_line(real(origin), real(direction), reach, |f, t| {
+            assert_eq!(*t, triangles[f as usize]);
+            allowed(f)
+        });
+        match found {
+            Some((face, t)) => {
+                prop_assert!(allowed(face));
+                let own = exact(face);
+                prop_assert!(own.is_some_and(|x| (x - t).abs() < 1e-12), "{own:?} {t}");
+                prop_assert!((t.abs() - near).abs() < 1e-12, "{t} {near}");
+            }
+            None => prop_assert!(near == f64::INFINITY, "{near}"),
+        }
+    }
+}

@@ -9,7 +9,7 @@ use crate::io::edit::Edit;
 use crate::io::error::{Fault, IoError, Place};
 use crate::io::text::Lines;
 use crate::io::{Extras, Format, Mesh};
-use crate::result::Completion;
+use crate::result::{Completion, Origin, NONE};
 
 /// What the edits are made from.
 struct Job<'a> {
@@ -28,9 +28,78 @@ enum Source {
     Normal(usize),
     /// This column of what is carried inward.
     Carried(usize),
+    Origin(Origins),
+    EmptyList(Scalar),
+}
+
+/// What is known of where a vertex comes from.
+#[derive(Clone, Copy, PartialEq)]
+enum Origins {
     Completed,
     Hole,
-    EmptyList(Scalar),
+    Face,
+    U,
+    V,
+    Source,
+    Confidence,
+}
+
+/// A column of provenance.
+struct Column {
+    name: &'static str,
+    type_name: &'static str,
+    scalar: Scalar,
+    /// What it says of an input vertex.
+    input_value: f64,
+    origin: Origins,
+}
+
+const PROVENANCE: [Column; 7] = {
+    const fn column(
+        name: &'static str,
+        scalar: Scalar,
+        input_value: f64,
+        origin: Origins,
+    ) -> Column {
+        let type_name = match scalar {
+            Scalar::U8 => "uchar",
+            Scalar::F32 => "float",
+            _ => "int",
+        };
+        Column { name, type_name, scalar, input_value, origin }
+    }
+    [
+        column("completed", Scalar::U8, 0.0, Origins::Completed),
+        column("hole", Scalar::I32, -1.0, Origins::Hole),
+        column("source_face", Scalar::I32, -1.0, Origins::Face),
+        column("source_u", Scalar::F32, 0.0, Origins::U),
+        column("source_v", Scalar::F32, 0.0, Origins::V),
+        column("source", Scalar::I32, -1.0, Origins::Source),
+        column("confidence", Scalar::F32, 0.0, Origins::Confidence),
+    ]
+};
+
+impl Origins {
+    /// What a property is about. Names that files use for other things, too (a scanner's
+    /// confidence), count only if the file has `source_face` (`others`), too.
+    fn of(name: &str, others: bool) -> Option<Self> {
+        let column = PROVENANCE.iter().find(|c| c.name == name)?;
+        let common = matches!(column.origin, Origins::Source | Origins::Confidence);
+        (others || !common).then_some(column.origin)
+    }
+
+    fn value(self, hole: u32, origin: &Origin) -> f64 {
+        let index = |i: u32| if i == NONE { -1.0 } else { f64::from(i) };
+        match self {
+            Origins::Completed => 1.0,
+            Origins::Hole => hole.into(),
+            Origins::Face => index(origin.face),
+            Origins::U => origin.barycentric[1],
+            Origins::V => origin.barycentric[2],
+            Origins::Source => index(origin.source),
+            Origins::Confidence => origin.confidence,
+        }
+    }
 }
 
 /// The edits that append the fill to a file.
@@ -89,6 +158,10 @@ impl Job<'_> {
         let e = &self.layout.header.elements[element];
         let mut properties = e.properties.clone();
         if extras.provenance {
+            // Holes and sources are fewer than faces.
+            if i32::try_from(self.completion.input_face_count).is_err() {
+                return unsupported("the columns of provenance end at 2147483647 faces");
+            }
             let added = self.add_provenance(element)?;
             properties.extend(added);
         }
@@ -115,8 +188,9 @@ impl Job<'_> {
                     Source::Position(axis) => p[axis],
                     Source::Normal(axis) => normals[i][axis],
                     Source::Carried(c) => values[i * carried.len() + c],
-                    Source::Completed => 1.0,
-                    Source::Hole => self.completion.vertex_hole[i].into(),
+                    Source::Origin(what) => {
+                        what.value(self.completion.vertex_hole[i], &self.completion.origins[i])
+                    }
                     Source::EmptyList(_) => 0.0,
                 };
                 rows.push(s, value);
@@ -127,19 +201,18 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// Adds the columns `completed` and `hole`, where they are missing, to every row.
+    /// Adds the columns of provenance, where they are missing, to every row.
     fn add_provenance(&mut self, element: usize) -> Result<Vec<Property>, IoError> {
         let e = &self.layout.header.elements[element];
-        let wanted = [("completed", "uchar", Scalar::U8, 0.0), ("hole", "int", Scalar::I32, -1.0)];
-        let added: Vec<_> = wanted.into_iter().filter(|w| e.find(w.0).is_none()).collect();
+        let added: Vec<&Column> = PROVENANCE.iter().filter(|c| e.find(c.name).is_none()).collect();
         if added.is_empty() {
             return Ok(Vec::new());
         }
         let (mut header, mut suffix) = (Vec::new(), self.rows());
-        for (name, type_name, s, input_value) in &added {
+        for Column { name, type_name, scalar, input_value, .. } in &added {
             header.extend(format!("property {type_name} {name}").into_bytes());
             header.extend_from_slice(self.layout.header.line_end);
-            suffix.continue_row(*s, *input_value);
+            suffix.continue_row(*scalar, *input_value);
         }
         self.edits.push(Edit { at: e.header_end..e.header_end, with: header });
         let span = self.layout.spans[element].clone();
@@ -160,10 +233,7 @@ impl Job<'_> {
         .map_err(fault)?;
         with.extend_from_slice(&bytes[from..span.end]);
         self.edits.push(Edit { at: span, with });
-        let property = |&(name, _, s, _): &(&str, &str, Scalar, f64)| Property {
-            name: name.into(),
-            kind: Kind::Scalar(s),
-        };
+        let property = |c: &&Column| Property { name: c.name.into(), kind: Kind::Scalar(c.scalar) };
         Ok(added.iter().map(property).collect())
     }
 
@@ -343,6 +413,7 @@ struct ListEnd {
 /// Where each property of a new vertex comes from, and the columns to carry inward.
 fn plan(properties: &[Property]) -> (Vec<Source>, Vec<(usize, Blend)>) {
     let normals = normal_columns(properties);
+    let others = properties.iter().any(|p| p.name == "source_face");
     let mut carried = Vec::new();
     let mut source = |(i, p): (usize, &Property)| {
         let s = match p.kind {
@@ -356,12 +427,13 @@ fn plan(properties: &[Property]) -> (Vec<Source>, Vec<(usize, Blend)>) {
             "x" => Source::Position(0),
             "y" => Source::Position(1),
             "z" => Source::Position(2),
-            "completed" => Source::Completed,
-            "hole" => Source::Hole,
-            name => {
-                carried.push((i, Blend::of(name, s.is_integer())));
-                Source::Carried(carried.len() - 1)
-            }
+            name => match Origins::of(name, others) {
+                Some(what) => Source::Origin(what),
+                None => {
+                    carried.push((i, Blend::of(name, s.is_integer())));
+                    Source::Carried(carried.len() - 1)
+                }
+            },
         }
     };
     let sources = properties.iter().enumerate().map(&mut source).collect();

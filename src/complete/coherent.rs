@@ -1,0 +1,209 @@
+//! Harary, Tal, Grinspun (2014), "Context-based coherent surface completion", with other means:
+//! the fill of one hole continued from what the rest of the object shows.
+//!
+//! Reads as the list of its steps; each is a file of `matching` or `synthesis`, and `docs/coherent.md`
+//! explains them. Differences from the paper:
+//! - Sources are found by what is known around the hole (height maps, ICP), not by descriptors of
+//!   the initial completion, and one transform serves the whole hole or a window of it.
+//! - A source is fitted to the ring with a stiffness that predicts best what was hidden.
+//! - Low frequencies come from a consensus of the sources, detail from one source at each vertex:
+//!   averages of positions (Eq. 5 and 6) lose the detail.
+
+use super::smooth::{Fill, Story, Surroundings};
+use crate::error::Result;
+use crate::fill::patch::Patch;
+use crate::fill::refine::refine;
+use crate::matching::search::{find_candidates, scale_of, Maps, Target};
+use crate::matching::source::Source;
+use crate::progress::Pace;
+use crate::result::{Origin, SourceReport};
+use crate::synthesis::domain::{Domain, Extent};
+use crate::synthesis::join::join;
+use crate::synthesis::view::{look, View};
+use crate::synthesis::window::{one_window, plan_windows, Window};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Fewer new vertices than this have no room for detail.
+const LEAST: usize = 6;
+/// Rounds of refinement between the two looks.
+const AGAIN: usize = 2;
+
+/// What is made once a mesh and kept: the source, and its maps by scale.
+pub struct Library {
+    /// The source.
+    pub source: Source,
+    maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
+}
+
+impl Library {
+    /// Of a source; maps are made when a hole first asks for them.
+    pub fn new(source: Source) -> Self {
+        Self { source, maps: Mutex::default() }
+    }
+
+    fn maps(
+        &self,
+        radius: f64,
+        threads: usize,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Arc<Maps>> {
+        let scale = scale_of(&self.source, radius);
+        // Holes of one scale wait for the first of them.
+        let mut known = self.maps.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(maps) = known.get(&scale) {
+            return Ok(maps.clone());
+        }
+        let maps = Arc::new(Maps::new(&self.source, scale, threads, check)?);
+        known.insert(scale, maps.clone());
+        Ok(maps)
+    }
+}
+
+/// The coherent completion of a hole whose smooth completion is given. `Ok(None)`: nothing on the
+/// object serves.
+pub fn complete_hole(
+    around: &Surroundings<'_>,
+    fill: &Fill,
+    library: &Library,
+    threads: usize,
+    check: &dyn Fn(f64) -> Result<()>,
+) -> Result<Option<(Patch, Story)>> {
+    if fill.patch.positions.len() < fill.patch.rim_count + LEAST {
+        return Ok(None);
+    }
+    let domain_of = |patch: &Patch, extent: Extent| {
+        let (rim, edge) = (&fill.outline.vertices, fill.outline.mean_size());
+        Domain::new(patch, around.near, around.incidence, rim, edge, extent)
+    };
+    let Some(domain) = domain_of(&fill.patch, Extent::Whole) else { return Ok(None) };
+    let scope = Scope { around, library, threads, check };
+    // In parts where the hole is long or bends around the object.
+    let Some(whole) = one_window(&domain).filter(|_| !domain.is_slender()) else {
+        let Some(narrow) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
+        let windows = plan_windows(&narrow);
+        let views = scope.look_through(&windows)?;
+        return Ok(finish(&fill.patch, &library.source, &narrow, &views));
+    };
+    let whole = [whole];
+    let views = scope.look_through(&whole)?;
+    let Some((mut patch, story)) = finish(&fill.patch, &library.source, &domain, &views) else {
+        return Ok(None);
+    };
+    if views[0].doubt > 0.0 {
+        return Ok(Some((patch, story)));
+    }
+    // Again on the surface found: triangles where it is steep, lines that meet it at right angles.
+    let stop = || check(0.8);
+    let first = (patch.clone(), story);
+    if !refine(&mut patch, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
+        return Ok(Some(first));
+    }
+    let Some(domain) = domain_of(&patch, Extent::Found) else { return Ok(Some(first)) };
+    let Some(window) = one_window(&domain) else { return Ok(Some(first)) };
+    let transforms: Vec<_> = views[0].copies.iter().map(|c| c.transform).collect();
+    let roughness = scope.roughness(&window.domain);
+    let source = &library.source;
+    let views = look(&window, source, &transforms, roughness, threads, &|| check(0.85))?;
+    let views: Vec<View<'_>> = views.into_iter().collect();
+    Ok(finish(&patch, source, &domain, &views).or(Some(first)))
+}
+
+/// What all windows of a hole share.
+struct Scope<'a> {
+    around: &'a Surroundings<'a>,
+    library: &'a Library,
+    threads: usize,
+    check: &'a dyn Fn(f64) -> Result<()>,
+}
+
+impl Scope<'_> {
+    /// Searches for all windows and looks through each.
+    fn look_through<'w>(&self, windows: &'w [Window]) -> Result<Vec<View<'w>>> {
+        let Some(first) = windows.first() else { return Ok(Vec::new()) };
+        let (source, threads) = (&self.library.source, self.threads);
+        let at = |part: f64| move || (self.check)(part);
+        let maps = self.library.maps(first.domain.radius, threads, &at(0.1))?;
+        let rings: Vec<Vec<(DVec3, DVec3)>> =
+            windows.iter().map(|w| w.domain.ring_points()).collect();
+        let targets: Vec<Target<'_>> =
+            windows.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
+        let found = find_candidates(source, &maps, &targets, threads, &at(0.3))?;
+        let mut views = Vec::new();
+        for (i, (window, candidates)) in windows.iter().zip(found).enumerate() {
+            let part = 0.5 + 0.4 * i as f64 / windows.len() as f64;
+            let transforms: Vec<_> = candidates.iter().map(|c| c.transform).collect();
+            let roughness = self.roughness(&window.domain);
+            views.extend(look(window, source, &transforms, roughness, threads, &at(part))?);
+        }
+        Ok(views)
+    }
+
+    /// Mean roughness of the ring, see [`Source::roughness`].
+    fn roughness(&self, domain: &Domain) -> f64 {
+        let of = |&v: &usize| {
+            let input = self.around.near.vertices[domain.near_vertex(v) as usize];
+            self.library.source.roughness[input as usize]
+        };
+        domain.ring.iter().map(of).sum::<f64>() / domain.ring.len().max(1) as f64
+    }
+}
+
+fn finish(
+    initial: &Patch,
+    source: &Source,
+    domain: &Domain,
+    views: &[View<'_>],
+) -> Option<(Patch, Story)> {
+    if views.is_empty() {
+        return None;
+    }
+    let joined = join(domain, views)?;
+    let mut patch = initial.clone();
+    for (i, v) in domain.fill.clone().enumerate() {
+        patch.positions[v] = domain.sheet.positions[v] + joined.heights[i] * domain.directions[v];
+    }
+    Some((patch, tell(source, views, &joined.labels)))
+}
+
+/// Where each vertex comes from. `labels`: view and copy of each fill vertex.
+fn tell(source: &Source, views: &[View<'_>], labels: &[Option<(usize, usize)>]) -> Story {
+    // The copies of all windows, the most used first.
+    let mut all: Vec<(usize, usize)> =
+        (0..views.len()).flat_map(|w| (0..views[w].copies.len()).map(move |k| (w, k))).collect();
+    let fills: f64 = views.iter().map(|v| v.window.domain.fill.len() as f64).sum();
+    let share = |&(w, k): &(usize, usize)| {
+        views[w].shares[k] * views[w].window.domain.fill.len() as f64 / fills
+    };
+    all.sort_by(|a, b| share(b).total_cmp(&share(a)).then(a.cmp(b)));
+    let place = |label: (usize, usize)| all.iter().position(|&l| l == label).unwrap_or(0) as u32;
+    let origin = |(i, label): (usize, &Option<(usize, usize)>)| {
+        let found = label.and_then(|(w, k)| Some((views[w].place(i, k)?, (w, k))));
+        match found {
+            Some((at, label)) => Origin {
+                face: source.face_ids[at.face as usize],
+                barycentric: at.barycentric,
+                source: place(label),
+                confidence: views[label.0].confidence,
+            },
+            None => Origin::NOWHERE,
+        }
+    };
+    let origins: Vec<Origin> = labels.iter().enumerate().map(origin).collect();
+    let mut used = vec![0; all.len()];
+    labels.iter().flatten().for_each(|&l| used[place(l) as usize] += 1);
+    let sources = all
+        .iter()
+        .zip(used)
+        .map(|(l, vertices)| SourceReport {
+            transform: views[l.0].copies[l.1].transform,
+            error: views[l.0].fitted.error[l.1],
+            weight: share(l),
+            vertices,
+        })
+        .collect();
+    let confidence =
+        origins.iter().map(|o| o.confidence).sum::<f64>() / origins.len().max(1) as f64;
+    Story { origins, sources, confidence }
+}

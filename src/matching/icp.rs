@@ -1,0 +1,217 @@
+//! Rusinkiewicz and Levoy (2001), "Efficient variants of the ICP algorithm": point-to-plane, with
+//! trimming, between the known ring of a hole and a place on the source.
+//!
+//! Differences from the paper: only known points take part, never the initial completion, which
+//! would be matched to what is as smooth as itself. Points whose nearest source point lies on a
+//! boundary loop say nothing and are dropped.
+
+use super::rigid::Rigid;
+use super::source::Source;
+use glam::{DMat3, DQuat, DVec3};
+use nalgebra::{Matrix6, Vector6};
+
+/// Least cosine between the normals of a pair.
+const AGREE: f64 = 0.3;
+/// Share of the pairs that is used by default, the nearest ones.
+pub const KEEP: f64 = 0.85;
+/// An iteration that moves no point by more than this part of an edge is the last.
+const STILL: f64 = 5e-3;
+
+/// A known point of the ring with its normal.
+pub type RingPoint = (DVec3, DVec3);
+
+/// How a ring point finds its partner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Partner {
+    /// The tangent plane at the nearest source vertex: fast.
+    Vertex,
+    /// The nearest point on the source's triangles.
+    Surface,
+}
+
+/// Improves a transform (source to target) by up to `steps` iterations. `radius` bounds how far a
+/// partner may lie, in mesh units; `keep` is the share of the pairs used, the nearest ones.
+pub fn align(
+    source: &Source,
+    ring: &[RingPoint],
+    start: Rigid,
+    partner: Partner,
+    steps: usize,
+    radius: f64,
+    keep: f64,
+) -> Rigid {
+    // From target to source: the source's trees do not move.
+    let mut back = start.inverse();
+    let extent = ring.iter().fold(0.0, |d: f64, (p, _)| d.max(p.distance(ring[0].0)));
+    for _ in 0..steps {
+        let Some(step) = improve(source, ring, &back, partner, radius, keep) else { break };
+        let turn = (step.linear - DMat3::IDENTITY).to_cols_array();
+        let turned = turn.iter().map(|x| x * x).sum::<f64>().sqrt() * extent;
+        let centre = back.point(ring[0].0);
+        let moved = step.point(centre).distance(centre);
+        back = step.after(&back);
+        if turned + moved < STILL * source.edge {
+            break;
+        }
+    }
+    back.inverse()
+}
+
+fn improve(
+    source: &Source,
+    ring: &[RingPoint],
+    back: &Rigid,
+    partner: Partner,
+    radius: f64,
+    keep: f64,
+) -> Option<Rigid> {
+    let mut pairs: Vec<(f64, DVec3, DVec3)> = Vec::with_capacity(ring.len());
+    for &(p, n) in ring {
+        let (p, n) = (back.point(p), back.direction(n));
+        if let Some((q, m)) = find_partner(source, p, partner, radius) {
+            if n.dot(m) > AGREE {
+                pairs.push(((q - p).dot(m), p, m));
+            }
+        }
+    }
+    if pairs.len() < 12 {
+        return None;
+    }
+    pairs.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    pairs.truncate((keep * pairs.len() as f64) as usize);
+    let middle = pairs.iter().map(|p| p.1).sum::<DVec3>() / pairs.len() as f64;
+    let (mut a, mut b) = (Matrix6::<f64>::zeros(), Vector6::<f64>::zeros());
+    for &(gap, p, m) in &pairs {
+        let c = (p - middle).cross(m);
+        let row = Vector6::new(c.x, c.y, c.z, m.x, m.y, m.z);
+        a += row * row.transpose();
+        b += gap * row;
+    }
+    // A plane or a cylinder leaves directions free: they stay as they are.
+    let scale = pairs.iter().map(|p| p.1.distance_squared(middle)).sum::<f64>();
+    for k in 0..6 {
+        a[(k, k)] += 1e-6 * if k < 3 { scale } else { pairs.len() as f64 };
+    }
+    let x = a.cholesky()?.solve(&b);
+    let turn = DVec3::new(x[0], x[1], x[2]);
+    // A larger turn than 20° is beyond the linearisation.
+    let angle = turn.length().min(0.35);
+    let rotation = DMat3::from_quat(DQuat::from_scaled_axis(turn.normalize_or_zero() * angle));
+    let shift = DVec3::new(x[3], x[4], x[5]);
+    Some(Rigid { linear: rotation, translation: middle + shift - rotation * middle })
+}
+
+fn find_partner(
+    source: &Source,
+    p: DVec3,
+    partner: Partner,
+    radius: f64,
+) -> Option<(DVec3, DVec3)> {
+    match partner {
+        Partner::Vertex => {
+            let (v, d2) = source.points.nearest(p)?;
+            let v = v as usize;
+            let usable = d2 <= radius * radius && !source.on_boundary[v];
+            usable.then(|| (source.positions[v], source.normals[v]))
+        }
+        Partner::Surface => {
+            let hit = source.tree.closest_point(p, radius)?;
+            if source.touches_boundary(hit.face) {
+                return None;
+            }
+            let m = source.smooth_normal(hit.face, source.barycentric(hit.face, hit.point));
+            Some((hit.point, m))
+        }
+    }
+}
+
+/// How badly an aligned source fits the ring, in mesh units: root mean square distance (each at
+/// most half of `radius`) plus half an edge for each unit of disagreement of the normals.
+pub fn misfit(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f64) -> f64 {
+    let back = transform.inverse();
+    let (mut square, mut turned) = (0.0, 0.0);
+    for &(p, n) in ring {
+        let most = 0.5 * radius;
+        let (p, n) = (back.point(p), back.direction(n));
+        let (gap, cosine) = match find_partner(source, p, Partner::Vertex, radius) {
+            Some((q, m)) => ((q - p).dot(m).abs().min(most), n.dot(m)),
+            None => (most, 0.0),
+        };
+        square += gap * gap;
+        turned += 1.0 - cosine;
+    }
+    let n = ring.len().max(1) as f64;
+    (square / n).sqrt() + 0.5 * source.edge * (turned / n).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::source::tests::{hills, hilly_source, some_transform};
+    use super::*;
+
+    /// A ring on the hills, moved.
+    fn ring(to_target: &Rigid) -> Vec<RingPoint> {
+        let at = |k: usize| {
+            let (r, turn) = (0.45 + 0.05 * (k % 5) as f64, 0.1 * k as f64);
+            let (p, n) = hills(r * turn.cos(), r * turn.sin());
+            (to_target.point(p), to_target.direction(n))
+        };
+        (0..160).map(at).collect()
+    }
+
+    fn disturbed(t: &Rigid, angle: f64, by: f64) -> Rigid {
+        let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -2.0) / 3.0, angle);
+        let shift = by * DVec3::new(2.0, -1.0, 2.0) / 3.0;
+        t.after(&Rigid { linear: turn, translation: shift })
+    }
+
+    fn off(found: &Rigid, truth: &Rigid) -> f64 {
+        let places = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| 0.5 * p);
+        places.into_iter().map(|p| found.point(p).distance(truth.point(p))).fold(0.0, f64::max)
+    }
+
+    /// 10° and two edges off, rotated or mirrored: the truth comes back within a fraction of an edge.
+    #[test]
+    fn known_transforms_come_back() {
+        let source = hilly_source(60);
+        for mirrored in [false, true] {
+            let truth = some_transform(mirrored);
+            let start = disturbed(&truth, 0.17, 2.0 * source.edge);
+            let ring = ring(&truth);
+            let coarse = align(&source, &ring, start, Partner::Vertex, 20, 0.2, KEEP);
+            let fine = align(&source, &ring, coarse, Partner::Surface, 15, 0.2, KEEP);
+            let [before, first, second] = [start, coarse, fine].map(|t| off(&t, &truth));
+            let edge = source.edge;
+            println!("{before:.4} {first:.5} {second:.5} of an edge {edge:.4}");
+            assert_eq!(fine.is_mirrored(), mirrored);
+            assert!(before > edge && first < 0.2 * edge && second < 0.03 * edge);
+            let [worst, best] = [start, fine].map(|t| misfit(&source, &ring, &t, 0.2));
+            assert!(best < 0.1 * worst, "{best} {worst}");
+        }
+    }
+
+    /// Outliers are trimmed; points beyond reach or at the border have no partner.
+    #[test]
+    fn a_few_wrong_points_do_not_pull() {
+        let source = hilly_source(60);
+        let truth = some_transform(false);
+        let mut ring = ring(&truth);
+        for p in ring.iter_mut().step_by(12) {
+            p.0 += 0.15 * p.1;
+        }
+        let start = disturbed(&truth, 0.1, source.edge);
+        let found = align(&source, &ring, start, Partner::Surface, 20, 0.3, KEEP);
+        assert!(off(&found, &truth) < 0.1 * source.edge, "{}", off(&found, &truth));
+    }
+
+    /// Too few partners: the start is given back.
+    #[test]
+    fn nothing_near_moves_nothing() {
+        let source = hilly_source(30);
+        let truth = some_transform(false);
+        let start = disturbed(&truth, 0.0, 50.0);
+        let found = align(&source, &ring(&truth), start, Partner::Surface, 5, 0.2, KEEP);
+        assert!(off(&found, &start) < 1e-9);
+        assert!(misfit(&source, &ring(&truth), &start, 0.2) >= 0.1);
+    }
+}

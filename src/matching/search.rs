@@ -1,0 +1,366 @@
+//! Candidates for one hole: places on the source that look like its ring, aligned.
+
+use super::cloud::Cloud;
+use super::height_map::{keep_different, Candidate, Frame, HeightMap, RingPattern};
+use super::icp::{align, misfit, Partner, RingPoint, KEEP};
+use super::source::Source;
+use crate::error::Result;
+use crate::parallel;
+use glam::DVec3;
+
+/// Radius of the height maps, in hole radii: the hole and a ring as wide as its radius.
+const REACH: f64 = 2.0;
+/// Widths of the ring that are compared, in hole radii.
+const WIDTHS: [f64; 2] = [0.5, 1.0];
+/// Of the windows along a long hole, which are many, each compares the first width only, with this many
+/// of the nearest maps and every so many-th of the others.
+const NEAREST: usize = 1000;
+const STRIDE: usize = 6;
+/// Source centres lie this far apart, in hole radii: within reach of the ICP.
+const SPACING: f64 = 0.3;
+/// And there are about this many at most.
+const MOST_CENTRES: f64 = 4000.0;
+/// Maps worked on between two looks at the wish to cancel.
+const BATCH: usize = 32;
+/// Normals are averaged over this radius, in hole radii, to give a map its plane.
+const PLANE: f64 = 0.7;
+/// Candidates kept for the ICP, of each width.
+const KEPT: usize = 24;
+/// Of these the best after a first alignment are aligned on the surface itself.
+const FINE: usize = 20;
+/// And of these so many also on a wider ring.
+const WIDENED: usize = 6;
+/// Ring points of the first and of the second alignment, at most.
+const POINTS: [usize; 2] = [160, 400];
+
+/// The source at one scale: a thinned cloud and the height maps around centres spread over it.
+pub struct Maps {
+    /// Hole radius that they are for, in mesh units.
+    pub radius: f64,
+    cloud: Cloud,
+    maps: Vec<HeightMap>,
+}
+
+/// The ratio of one scale to the next: holes whose radii differ by less share their maps.
+const SCALE_STEP: f64 = 1.08;
+/// Spacing of the thinned source, in hole radii: two points a bin of the height maps.
+const CLOUD_SPACING: f64 = 0.11;
+
+/// The scale that serves a hole radius: the least power of 1.08 (times the source's edge) above it.
+pub fn scale_of(source: &Source, radius: f64) -> i32 {
+    ((radius / source.edge).ln() / SCALE_STEP.ln()).ceil() as i32
+}
+
+impl Maps {
+    /// The source at a scale, see [`scale_of`].
+    pub fn new(
+        source: &Source,
+        scale: i32,
+        threads: usize,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        let radius = source.edge * SCALE_STEP.powi(scale);
+        let cloud = Cloud::of_source(source, CLOUD_SPACING * radius);
+        check()?;
+        let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
+        let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0);
+        let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing);
+        let batches = centres.points.len().div_ceil(BATCH);
+        let reach = REACH * radius;
+        let one = |b: usize| {
+            let range = b * BATCH..centres.points.len().min((b + 1) * BATCH);
+            let map = |c: usize| {
+                let (centre, normal) = (centres.points[c], centres.normals[c]);
+                let ids = cloud.tree.within(centre, reach);
+                let frame = frame_at(&cloud, &ids, centre, normal, radius)?;
+                Some(HeightMap::new(&cloud, &ids, frame, reach))
+            };
+            range.filter_map(map).collect::<Vec<_>>()
+        };
+        let maps = parallel::map(batches, threads, check, &one)?.into_iter().flatten().collect();
+        Ok(Self { radius, cloud, maps })
+    }
+}
+
+/// What is known around a hole, and where the hole is.
+pub struct Target<'a> {
+    /// Middle of the fill.
+    pub centre: DVec3,
+    /// Mean direction outward.
+    pub normal: DVec3,
+    /// Radius of the fill, in mesh units.
+    pub radius: f64,
+    /// Points of the initial completion.
+    pub fill: &'a [DVec3],
+    /// Known points of the ring.
+    pub ring: &'a [RingPoint],
+}
+
+/// The best aligned places for each of several targets of one radius, best first: the source's maps
+/// are made once for all.
+pub fn find_candidates(
+    source: &Source,
+    maps: &Maps,
+    targets: &[Target<'_>],
+    threads: usize,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Vec<Vec<Candidate>>> {
+    let matches = search_maps(maps, targets, threads, check)?;
+    let mut all = Vec::new();
+    for (target, matches) in targets.iter().zip(matches) {
+        all.push(align_all(source, target, &matches, threads, check)?);
+    }
+    Ok(all)
+}
+
+fn align_all(
+    source: &Source,
+    target: &Target<'_>,
+    matches: &[Candidate],
+    threads: usize,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Vec<Candidate>> {
+    let coarse = thin_ring(target.ring, POINTS[0]);
+    let fine = thin_ring(target.ring, POINTS[1]);
+    let radius = target.radius;
+    let improve = |c: &Candidate, ring: &[RingPoint], partner, steps| {
+        let Candidate { transform, bland, .. } = *c;
+        let transform = align(source, ring, transform, partner, steps, 0.5 * radius, KEEP);
+        Candidate { transform, cost: bland * misfit(source, ring, &transform, radius), bland }
+    };
+    let first = |i: usize| improve(&matches[i], &coarse, Partner::Vertex, 12);
+    let found = parallel::map(matches.len(), threads, check, &first)?;
+    let found = merge(found, target, FINE);
+    let second = |i: usize| improve(&found[i], &fine, Partner::Surface, 15);
+    let mut found = merge(parallel::map(found.len(), threads, check, &second)?, target, FINE);
+    // The best also by a wider ring, whole: where the near one is plain, or not quite alike.
+    let wide = wide_ring(source, target);
+    let third = |i: usize| {
+        let Candidate { transform, bland, .. } = found[i];
+        let transform = align(source, &wide, transform, Partner::Surface, 15, 0.5 * radius, 1.0);
+        Candidate { transform, cost: bland * misfit(source, &fine, &transform, radius), bland }
+    };
+    let variants = parallel::map(found.len().min(WIDENED), threads, check, &third)?;
+    found.extend(variants);
+    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    Ok(found)
+}
+
+fn search_maps(
+    maps: &Maps,
+    targets: &[Target<'_>],
+    threads: usize,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Vec<Vec<Candidate>>> {
+    let reach = REACH * maps.radius;
+    let widths = if targets.len() > 1 { &WIDTHS[..1] } else { &WIDTHS[..] };
+    // Pattern p is width p % widths of target p / widths.
+    let patterns: Vec<RingPattern> = targets
+        .iter()
+        .flat_map(|target| {
+            let frame = Frame::new(target.centre, target.normal);
+            let around = maps.cloud.tree.within(target.centre, 1.5 * reach);
+            let known = HeightMap::new(&maps.cloud, &around, frame, reach);
+            let ring =
+                |w: &f64| RingPattern::new(&known, target.fill, reach, (1.0 + w) * target.radius);
+            widths.iter().map(ring).collect::<Vec<_>>()
+        })
+        .collect();
+    let chosen: Vec<Vec<u32>> = targets.iter().map(|t| maps.choose(t, targets.len() > 1)).collect();
+    let jobs: Vec<(usize, usize)> = (0..patterns.len())
+        .filter(|&p| patterns[p].is_useful())
+        .flat_map(|p| (0..chosen[p / widths.len()].len()).step_by(BATCH).map(move |b| (p, b)))
+        .collect();
+    let one = |job: usize| {
+        let (p, start) = jobs[job];
+        let ids = &chosen[p / widths.len()];
+        let mut found = Vec::new();
+        for &m in &ids[start..ids.len().min(start + BATCH)] {
+            patterns[p].compare(&maps.maps[m as usize], &mut found);
+        }
+        found
+    };
+    let results = parallel::map(jobs.len(), threads, check, &one)?;
+    let mut by_pattern: Vec<Vec<Candidate>> = vec![Vec::new(); patterns.len()];
+    jobs.iter().zip(results).for_each(|(job, found)| by_pattern[job.0].extend(found));
+    let best = |(p, found): (usize, Vec<Candidate>)| {
+        let target = &targets[p / widths.len()];
+        keep_different(found, target.centre, target.radius, 0.6, KEPT)
+    };
+    let kept: Vec<Vec<Candidate>> = by_pattern.into_iter().enumerate().map(best).collect();
+    Ok(kept.chunks(widths.len()).map(|c| c.concat()).collect())
+}
+
+impl Maps {
+    /// The maps that a target is compared with.
+    fn choose(&self, target: &Target<'_>, few: bool) -> Vec<u32> {
+        let mut ids: Vec<u32> = (0..self.maps.len() as u32).collect();
+        if few && ids.len() > NEAREST {
+            let off = |i: &u32| self.maps[*i as usize].frame.centre.distance_squared(target.centre);
+            ids.sort_by(|a, b| off(a).total_cmp(&off(b)).then(a.cmp(b)));
+            let far = ids.split_off(NEAREST);
+            ids.extend(far.into_iter().step_by(STRIDE));
+        }
+        ids
+    }
+}
+
+/// The frame of a source map: the centre moved onto the surface's mean plane, the mean normal.
+fn frame_at(
+    cloud: &Cloud,
+    ids: &[u32],
+    centre: DVec3,
+    normal: DVec3,
+    radius: f64,
+) -> Option<Frame> {
+    let near = (PLANE * radius).powi(2);
+    let mut mean = DVec3::ZERO;
+    for &i in ids {
+        let (p, n) = (cloud.points[i as usize], cloud.normals[i as usize]);
+        if n.dot(normal) > 0.0 && p.distance_squared(centre) < near {
+            mean += n;
+        }
+    }
+    (mean.length() > 0.0).then(|| Frame::new(centre, mean.normalize()))
+}
+
+/// Known points up to a whole radius from the hole, on the target's side.
+fn wide_ring(source: &Source, target: &Target<'_>) -> Vec<RingPoint> {
+    let near = source.points.within(target.centre, 2.0 * target.radius);
+    let points: Vec<RingPoint> = near
+        .iter()
+        .map(|&v| (source.positions[v as usize], source.normals[v as usize]))
+        .filter(|(_, n)| n.dot(target.normal) > 0.0)
+        .collect();
+    thin_ring(&points, POINTS[1])
+}
+
+/// At most about `most` points, evenly spread: the mean of each cell's nearest point.
+fn thin_ring(ring: &[RingPoint], most: usize) -> Vec<RingPoint> {
+    if ring.len() <= most {
+        return ring.to_vec();
+    }
+    let low = ring.iter().fold(DVec3::INFINITY, |a, p| a.min(p.0));
+    let high = ring.iter().fold(DVec3::NEG_INFINITY, |a, p| a.max(p.0));
+    let mut width = (high - low).length() / (most as f64);
+    loop {
+        let cell = |p: DVec3| ((p - low) / width).to_array().map(|x| x as u32);
+        let mut cells: Vec<([u32; 3], usize)> =
+            ring.iter().enumerate().map(|(i, p)| (cell(p.0), i)).collect();
+        cells.sort();
+        cells.dedup_by_key(|c| c.0);
+        if cells.len() <= most {
+            return cells.iter().map(|c| ring[c.1]).collect();
+        }
+        width *= 1.1;
+    }
+}
+
+/// Drops candidates that lie within 0.08 radii and 0.15 in turn of a better one.
+fn merge(found: Vec<Candidate>, target: &Target<'_>, most: usize) -> Vec<Candidate> {
+    keep_different(found, target.centre, 0.32 * target.radius, 0.15, most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rigid::Rigid;
+    use super::super::source::tests::{hills, hilly_source, some_transform};
+    use super::*;
+    use crate::error::Error;
+    use crate::mesh::MeshView;
+
+    const RADIUS: f64 = 0.35;
+
+    /// The hills, and the same moved with a hole in their middle.
+    fn pair(to_target: &Rigid) -> Source {
+        let whole = hilly_source(60);
+        let n = whole.positions.len() as u32;
+        let is_hole = |f: &[u32; 3]| {
+            let middle: DVec3 = f.iter().map(|&v| whole.positions[v as usize]).sum();
+            middle.truncate().length() < 3.0 * RADIUS
+        };
+        let mut vertices: Vec<[f64; 3]> = whole.positions.iter().map(|p| p.to_array()).collect();
+        vertices.extend(whole.positions.iter().map(|&p| to_target.point(p).to_array()));
+        let turned = |f: &[u32; 3]| match to_target.is_mirrored() {
+            true => [f[0] + n, f[2] + n, f[1] + n],
+            false => f.map(|v| v + n),
+        };
+        let mut faces = whole.faces.clone();
+        faces.extend(whole.faces.iter().filter(|f| !is_hole(f)).map(turned));
+        let rim = |f: &[u32; 3]| if is_hole(f) { f.map(|v| v + n) } else { [u32::MAX; 3] };
+        let border = (0..2 * n).filter(|v| whole.on_boundary[(v % n) as usize]);
+        let in_hole = whole.faces.iter().flat_map(rim).filter(|&v| v != u32::MAX);
+        let boundary: Vec<u32> = border.chain(in_hole).collect();
+        Source::new(MeshView::new(&vertices[..], &faces[..]), boundary.into_iter())
+    }
+
+    fn polar(t: &Rigid, radii: std::ops::Range<f64>) -> Vec<RingPoint> {
+        let at = |k: usize| {
+            let (r, turn) = (k as f64 / 1000.0, 0.7 * k as f64);
+            let (p, n) = hills(r * turn.cos(), r * turn.sin());
+            (t.point(p), t.direction(n))
+        };
+        let inside = |k: &usize| radii.contains(&(*k as f64 / 1000.0));
+        (0..2000).filter(inside).map(at).collect()
+    }
+
+    /// The twin comes first, to a small part of an edge, whether rotated or mirrored.
+    #[test]
+    fn the_twin_is_found() {
+        for mirrored in [false, true] {
+            let truth = some_transform(mirrored);
+            let source = pair(&truth);
+            let fill: Vec<DVec3> = polar(&truth, 0.0..RADIUS).iter().map(|p| p.0).collect();
+            let ring = polar(&truth, RADIUS..1.5 * RADIUS);
+            let target = || Target {
+                centre: fill.iter().sum::<DVec3>() / fill.len() as f64,
+                normal: truth.direction(DVec3::Z),
+                radius: RADIUS,
+                fill: &fill,
+                ring: &ring,
+            };
+            let check = || Ok(());
+            let run = |threads| {
+                let maps = Maps::new(&source, scale_of(&source, RADIUS), threads, &check).unwrap();
+                assert!(maps.radius >= RADIUS && maps.radius <= 1.081 * RADIUS);
+                find_candidates(&source, &maps, &[target()], threads, &check).unwrap().remove(0)
+            };
+            let found = run(1);
+            assert!(found.len() <= FINE + WIDENED && found.is_sorted_by(|a, b| a.cost <= b.cost));
+            let best = found[0].transform;
+            let off = ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, _)| {
+                m.max(best.point(truth.inverse().point(*p)).distance(*p))
+            });
+            println!("mirrored {mirrored}: {:.4} edges", off / source.edge);
+            assert_eq!(best.is_mirrored(), mirrored);
+            assert!(off < 0.05 * source.edge, "{off}");
+            let same = |a: &Candidate, b: &Candidate| {
+                a.transform == b.transform && a.cost.to_bits() == b.cost.to_bits()
+            };
+            let others = run(3);
+            assert!(found.len() == others.len());
+            assert!(found.iter().zip(&others).all(|(a, b)| same(a, b)));
+        }
+    }
+
+    #[test]
+    fn cancel_is_heard() {
+        let source = hilly_source(30);
+        let stop = || Err(Error::Cancelled);
+        let made = Maps::new(&source, scale_of(&source, RADIUS), 1, &stop);
+        assert_eq!(made.err(), Some(Error::Cancelled));
+    }
+
+    #[test]
+    fn a_thinned_ring_is_part_of_the_ring() {
+        let ring = polar(&Rigid::IDENTITY, 0.35..0.6);
+        let thin = thin_ring(&ring, 100);
+        assert!((50..=100).contains(&thin.len()), "{}", thin.len());
+        assert!(thin.iter().all(|p| ring.contains(p)));
+        for (p, _) in &ring {
+            let near = thin.iter().map(|q| q.0.distance(*p)).fold(f64::INFINITY, f64::min);
+            assert!(near < 0.3);
+        }
+        assert_eq!(thin_ring(&ring[..90], 100), ring[..90]);
+    }
+}

@@ -1,0 +1,266 @@
+//! The source: everything that is known of the object, ready to be searched.
+
+use crate::intersect::Bvh;
+use crate::mesh::MeshView;
+use glam::DVec3;
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+/// The input mesh with normals and search trees. Made once a mesh.
+pub struct Source {
+    /// Positions of all input vertices, in mesh units.
+    pub positions: Vec<DVec3>,
+    /// Unit normals, area-weighted; zero where there is no area.
+    pub normals: Vec<DVec3>,
+    /// All faces that have three different vertices.
+    pub faces: Vec<[u32; 3]>,
+    /// Input index of each of them.
+    pub face_ids: Vec<u32>,
+    /// Whether a vertex lies on a boundary loop.
+    pub on_boundary: Vec<bool>,
+    /// Tree over `faces`.
+    pub tree: Bvh,
+    /// Tree over the vertices that some face uses.
+    pub points: PointTree,
+    /// Surface area, in square mesh units.
+    pub area: f64,
+    /// Mean edge length, in mesh units.
+    pub edge: f64,
+    /// Mean square of the turn of the normal along the edges at each vertex, in radians² an edge
+    /// of mean length: what there is of relief.
+    pub roughness: Vec<f64>,
+}
+
+/// A k-d tree over points that may be few or none.
+pub struct PointTree {
+    tree: Option<ImmutableKdTree<f64, 3>>,
+    ids: Vec<u32>,
+}
+
+impl PointTree {
+    /// Over the points whose indices are given.
+    pub fn new(points: &[DVec3], ids: Vec<u32>) -> Self {
+        let entries: Vec<[f64; 3]> = ids.iter().map(|&i| points[i as usize].to_array()).collect();
+        let tree = (!entries.is_empty()).then(|| ImmutableKdTree::new_from_slice(&entries));
+        Self { tree, ids }
+    }
+
+    /// Over all points.
+    pub fn of_all(points: &[DVec3]) -> Self {
+        Self::new(points, (0..points.len() as u32).collect())
+    }
+
+    /// The nearest point's index and its squared distance.
+    pub fn nearest(&self, p: DVec3) -> Option<(u32, f64)> {
+        let found = self.tree.as_ref()?.nearest_one::<SquaredEuclidean>(&p.to_array());
+        Some((self.ids[found.item as usize], found.distance))
+    }
+
+    /// All points within a radius, in ascending order of their indices.
+    pub fn within(&self, p: DVec3, radius: f64) -> Vec<u32> {
+        let Some(tree) = &self.tree else { return Vec::new() };
+        let mut found: Vec<u32> = tree
+            .within_unsorted::<SquaredEuclidean>(&p.to_array(), radius * radius)
+            .iter()
+            .map(|n| self.ids[n.item as usize])
+            .collect();
+        found.sort_unstable();
+        found
+    }
+}
+
+impl Source {
+    /// Copies the mesh and builds the trees: linear but for the trees' sorting.
+    pub fn new(mesh: MeshView<'_>, boundary: impl Iterator<Item = u32>) -> Self {
+        let n = mesh.vertices.len();
+        let positions: Vec<DVec3> = (0..n).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
+        let (mut faces, mut face_ids) = (Vec::with_capacity(mesh.faces.len()), Vec::new());
+        let mut normals = vec![DVec3::ZERO; n];
+        let mut used = vec![false; n];
+        let (mut area, mut length) = (0.0, 0.0);
+        for f in 0..mesh.faces.len() {
+            let face = mesh.faces.get(f);
+            let p = face.map(|v| positions[v as usize]);
+            let normal = (p[1] - p[0]).cross(p[2] - p[0]);
+            if normal == DVec3::ZERO {
+                continue;
+            }
+            for v in face {
+                normals[v as usize] += normal;
+                used[v as usize] = true;
+            }
+            area += 0.5 * normal.length();
+            length += p[0].distance(p[1]) + p[1].distance(p[2]) + p[2].distance(p[0]);
+            faces.push(face);
+            face_ids.push(f as u32);
+        }
+        normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+        let mut on_boundary = vec![false; n];
+        boundary.for_each(|v| on_boundary[v as usize] = true);
+        let ids = (0..n as u32).filter(|&v| used[v as usize]).collect();
+        let edge = length / (3 * faces.len().max(1)) as f64;
+        Self {
+            roughness: roughness(&positions, &normals, &faces, edge),
+            tree: Bvh::new(&positions, &faces),
+            points: PointTree::new(&positions, ids),
+            area,
+            edge,
+            positions,
+            normals,
+            faces,
+            face_ids,
+            on_boundary,
+        }
+    }
+
+    /// Unit normal of a face; zero if it has no area.
+    pub fn face_normal(&self, face: u32) -> DVec3 {
+        let p = self.faces[face as usize].map(|v| self.positions[v as usize]);
+        (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero()
+    }
+
+    /// Barycentric coordinates of a point on a face; they sum to 1.
+    pub fn barycentric(&self, face: u32, p: DVec3) -> [f64; 3] {
+        let [a, b, c] = self.faces[face as usize].map(|v| self.positions[v as usize]);
+        let n = (b - a).cross(c - a);
+        let scale = 1.0 / n.length_squared().max(f64::MIN_POSITIVE);
+        let v = (p - a).cross(c - a).dot(n) * scale;
+        let w = (b - a).cross(p - a).dot(n) * scale;
+        [1.0 - v - w, v, w]
+    }
+
+    /// The normal at a point of a face, interpolated from its corners.
+    pub fn smooth_normal(&self, face: u32, barycentric: [f64; 3]) -> DVec3 {
+        let corners = self.faces[face as usize];
+        let sum: DVec3 = (0..3).map(|k| barycentric[k] * self.normals[corners[k] as usize]).sum();
+        sum.normalize_or_zero()
+    }
+
+    /// Whether a face has a vertex on a boundary loop.
+    pub fn touches_boundary(&self, face: u32) -> bool {
+        self.faces[face as usize].iter().any(|&v| self.on_boundary[v as usize])
+    }
+}
+
+fn roughness(positions: &[DVec3], normals: &[DVec3], faces: &[[u32; 3]], edge: f64) -> Vec<f64> {
+    let mut sum = vec![(0.0, 0.0); positions.len()];
+    for face in faces {
+        for k in 0..3 {
+            let (a, b) = (face[k] as usize, face[(k + 1) % 3] as usize);
+            let length2 = positions[a].distance_squared(positions[b]).max(f64::MIN_POSITIVE);
+            let turn = normals[a].distance_squared(normals[b]) * edge * edge / length2;
+            for v in [a, b] {
+                sum[v].0 += turn;
+                sum[v].1 += 1.0;
+            }
+        }
+    }
+    sum.into_iter().map(|(turn, count)| turn / f64::max(count, 1.0)).collect()
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::super::rigid::Rigid;
+    use super::*;
+    use glam::DMat3;
+
+    /// A point of irregular hills, and its normal.
+    pub(crate) fn hills(x: f64, y: f64) -> (DVec3, DVec3) {
+        let (mut z, mut dx, mut dy) = (0.0, 0.0, 0.0);
+        for (height, width, a, b) in
+            [(0.25, 0.3, 0.2, 0.1), (-0.2, 0.25, -0.4, 0.3), (0.15, 0.22, 0.1, -0.5)]
+        {
+            let (u, v) = ((x - a) / width, (y - b) / width);
+            let bump = height * f64::exp(-u * u - v * v);
+            z += bump;
+            dx -= 2.0 * u / width * bump;
+            dy -= 2.0 * v / width * bump;
+        }
+        z += 0.05 * (3.0 * x + 1.0).sin() + 0.04 * (4.0 * y).cos();
+        dx += 0.15 * (3.0 * x + 1.0).cos();
+        dy -= 0.16 * (4.0 * y).sin();
+        (DVec3::new(x, y, z), DVec3::new(-dx, -dy, 1.0).normalize())
+    }
+
+    /// A rotation by 109° with a translation; mirrored on request.
+    pub(crate) fn some_transform(mirrored: bool) -> Rigid {
+        let turn = DMat3::from_axis_angle(DVec3::new(0.3, -1.0, 0.8).normalize(), 1.9);
+        let flip = DMat3::from_diagonal(DVec3::new(if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0));
+        Rigid { linear: turn * flip, translation: DVec3::new(4.0, -2.0, 1.0) }
+    }
+
+    /// n × n points of the hills over ±1.5.
+    pub(crate) fn hilly_source(n: usize) -> Source {
+        let side = |i: usize| 3.0 * i as f64 / (n - 1) as f64 - 1.5;
+        let vertices: Vec<[f64; 3]> =
+            (0..n * n).map(|k| hills(side(k % n), side(k / n)).0.to_array()).collect();
+        let mut faces = Vec::new();
+        for k in (0..n * (n - 1)).filter(|k| k % n < n - 1) {
+            let [a, b, c, d] = [k, k + 1, k + n + 1, k + n].map(|v| v as u32);
+            faces.extend([[a, b, c], [a, c, d]]);
+        }
+        let border = (0..(n * n) as u32).filter(|v| {
+            let (i, j) = (*v as usize % n, *v as usize / n);
+            i == 0 || j == 0 || i == n - 1 || j == n - 1
+        });
+        Source::new(MeshView::new(&vertices[..], &faces[..]), border)
+    }
+
+    #[test]
+    fn a_source_knows_its_surface() {
+        let source = hilly_source(60);
+        for v in 0..source.positions.len() {
+            let p = source.positions[v];
+            let inner = !source.on_boundary[v];
+            assert_eq!(inner, p.truncate().abs().max_element() < 1.49);
+            assert!(!inner || source.normals[v].dot(hills(p.x, p.y).1) > 0.999);
+        }
+        let mut area = 0.0;
+        for f in 0..source.faces.len() as u32 {
+            let p = source.faces[f as usize].map(|v| source.positions[v as usize]);
+            area += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).length();
+            let at = 0.2 * p[0] + 0.3 * p[1] + 0.5 * p[2];
+            let weights = source.barycentric(f, at);
+            for (w, wanted) in weights.iter().zip([0.2, 0.3, 0.5]) {
+                assert!((w - wanted).abs() < 1e-10, "{weights:?}");
+            }
+            let normal = source.face_normal(f);
+            assert!((normal.length() - 1.0).abs() < 1e-12 && normal.z > 0.0);
+            assert!(source.smooth_normal(f, weights).dot(normal) > 0.95);
+            let corners = source.faces[f as usize];
+            let touches = corners.iter().any(|&v| source.on_boundary[v as usize]);
+            assert_eq!(source.touches_boundary(f), touches);
+        }
+        assert!((source.area - area).abs() < 1e-9 * area);
+    }
+
+    #[test]
+    fn degenerate_faces_are_left_out_and_ids_stay() {
+        let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let faces = [[0, 1, 2], [0, 1, 3], [1, 2, 3]];
+        let source = Source::new(MeshView::new(&vertices[..], &faces[..]), [2].into_iter());
+        assert_eq!(source.faces, [[0, 1, 3], [1, 2, 3]]);
+        assert_eq!(source.face_ids, [1, 2]);
+        assert_eq!(source.area, 1.0);
+        assert!(!source.touches_boundary(0) && source.touches_boundary(1));
+        assert!(source.roughness.iter().all(|&r| r == 0.0), "flat");
+    }
+
+    #[test]
+    fn point_trees_answer_as_a_list_does() {
+        let points: Vec<DVec3> = (0..200)
+            .map(|i| DVec3::new((i * 37 % 101) as f64, (i * 53 % 89) as f64, (i % 7) as f64))
+            .collect();
+        let even: Vec<u32> = (0..200).step_by(2).collect();
+        let tree = PointTree::new(&points, even.clone());
+        for q in &points {
+            let d = |i: &u32| points[*i as usize].distance_squared(*q + 0.3);
+            let nearest = even.iter().map(d).fold(f64::INFINITY, f64::min);
+            let (found, distance) = tree.nearest(*q + 0.3).unwrap();
+            assert!((d(&found) - nearest).abs() < 1e-9 && (distance - nearest).abs() < 1e-9);
+            let near: Vec<u32> = even.iter().copied().filter(|i| d(i) < 400.0).collect();
+            assert_eq!(tree.within(*q + 0.3, 20.0), near);
+        }
+        let none = PointTree::of_all(&[]);
+        assert!(none.nearest(DVec3::ZERO).is_none() && none.within(DVec3::ZERO, 1e9).is_empty());
+    }
+}

@@ -1,0 +1,277 @@
+//! Each source fitted to the ring by thin-plate smoothing of the mismatch, its stiffness chosen by
+//! hiding the inner ring (generalised from Wahba 1990, "Spline Models for Observational Data":
+//! smoothing parameter by cross-validation). Stands where Harary et al. 2014, Sec. 6, have the
+//! offset field.
+//!
+//! With D the mismatch on the ring (known height minus the source's), the correction minimises
+//!
+//!   Σ_ring m (d − D)² + λ dᵀ L M⁻¹ L d.
+//!
+//! A soft λ follows the mismatch as a C1 surface would, a stiff one leaves little more than a
+//! rigid motion: right for rough surfaces, whose mismatch is noise. What is left of the mismatch at
+//! the rim fades inward by (L + M/ℓ²) e = 0.
+//!
+//! Differences from the paper: the offset field is harmonic there (C0, no choice of stiffness).
+
+use super::domain::Domain;
+use super::factor::Symmetric;
+use super::project::Copy;
+use crate::error::Result;
+use crate::parallel;
+
+/// λ in units of 0.01 R⁴: from C1-like to nearly rigid.
+const STIFFNESSES: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
+/// Widths of the inner ring that is hidden, in hole radii, one after the other. Hiding whole sectors
+/// instead asks for extrapolation, which the fill never does, and chose far too stiff.
+const HIDDEN: [f64; 2] = [0.2, 0.3];
+/// Length over which the rest fades, in hole radii.
+const FADE: f64 = 0.12;
+/// Copies that choose the stiffness: the best ones.
+const CHOOSERS: usize = 5;
+
+/// Copies fitted to the ring, with what was hidden says of each.
+pub struct Fitted {
+    /// Heights over the domain; 0 on the rim.
+    pub heights: Vec<Vec<f64>>,
+    /// Root mean square error where the ring was hidden, in mesh units, by copy.
+    pub error: Vec<f64>,
+    /// The same of the bare thin plate.
+    pub plate_error: f64,
+    /// What was left on the ring before it was made to fade, by copy.
+    pub leftover: Vec<Vec<f64>>,
+    /// The stiffness chosen, in units of 0.01 R⁴.
+    pub stiffness: f64,
+    /// What was predicted at that stiffness where the ring was hidden.
+    pub hidden: Vec<Hidden>,
+}
+
+impl Fitted {
+    /// The share α of a consensus in its blend with the bare plate that predicts best what was
+    /// hidden: with e_p and e_c their errors, Σ m e_p (e_p − e_c) / Σ m (e_p − e_c)², 0 to 1; and the
+    /// ratio of the consensus' error to the plate's.
+    pub fn trust(&self, weights: &[f64]) -> (f64, f64) {
+        let (mut product, mut square, mut own, mut bare) = (0.0, 0.0, 0.0, 0.0);
+        for hidden in &self.hidden {
+            for (i, m) in hidden.weights.iter().enumerate() {
+                let e_c: f64 = weights.iter().zip(&hidden.errors).map(|(w, e)| w * e[i]).sum();
+                let e_p = hidden.errors[weights.len()][i];
+                product += m * e_p * (e_p - e_c);
+                square += m * (e_p - e_c).powi(2);
+                own += m * e_c * e_c;
+                bare += m * e_p * e_p;
+            }
+        }
+        let tiny = f64::MIN_POSITIVE;
+        ((product / square.max(tiny)).clamp(0.0, 1.0), (own / bare.max(tiny)).sqrt())
+    }
+}
+
+/// Fits all copies with one stiffness. `Ok(None)` if a system cannot be factored.
+pub fn fit(
+    domain: &Domain,
+    copies: &[Copy],
+    threads: usize,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Option<Fitted>> {
+    let n = domain.sheet.positions.len();
+    let unit = 0.01 * domain.radius.powi(4);
+    let mut energy = domain.plate_energy();
+    let mut weight = vec![0.0; n];
+    domain.ring.iter().for_each(|&v| weight[v] = domain.laplacian.mass[v]);
+    // Warms up the ordering, which all workers then share.
+    if domain.ring.is_empty() || energy.factor(unit * STIFFNESSES[3], &weight).is_none() {
+        return Ok(None);
+    }
+    let groups = HIDDEN.len();
+    let trials = STIFFNESSES.len() * groups;
+    let one = |trial: usize| {
+        let (stiffness, width) = (STIFFNESSES[trial / groups], HIDDEN[trial % groups]);
+        hide(domain, copies, &energy, &weight, unit * stiffness, width)
+    };
+    let errors = parallel::map(trials, threads, check, &one)?;
+    let Some(mut errors) = errors.into_iter().collect::<Option<Vec<Hidden>>>() else {
+        return Ok(None);
+    };
+    let by_stiffness: Vec<Vec<f64>> = (0..STIFFNESSES.len())
+        .map(|s| pool(&errors[s * groups..(s + 1) * groups], copies.len() + 1))
+        .collect();
+    let chosen = choose(&by_stiffness, copies.len());
+    let Some(mut fitted) = apply(domain, copies, &mut energy, &weight, unit, chosen) else {
+        return Ok(None);
+    };
+    // The plate is at its best when it follows what is known, not at the copies' stiffness.
+    let of_plate = |s: &usize| by_stiffness[*s][copies.len()];
+    let best_plate = (0..STIFFNESSES.len()).min_by(|a, b| of_plate(a).total_cmp(&of_plate(b)));
+    let best_plate = best_plate.unwrap_or(0);
+    let plates: Vec<Vec<f64>> = (errors[best_plate * groups..(best_plate + 1) * groups].iter())
+        .map(|h| h.errors[copies.len()].clone())
+        .collect();
+    fitted.hidden = errors.drain(chosen * groups..(chosen + 1) * groups).collect();
+    for (hidden, plate) in fitted.hidden.iter_mut().zip(plates) {
+        hidden.errors[copies.len()] = plate;
+    }
+    fitted.error = by_stiffness[chosen][..copies.len()].to_vec();
+    fitted.plate_error = by_stiffness[best_plate][copies.len()];
+    Ok(Some(fitted))
+}
+
+/// What was predicted where the ring was hidden.
+pub struct Hidden {
+    /// Weight (mass) of each hidden vertex.
+    weights: Vec<f64>,
+    /// Error at each hidden vertex by copy, the bare plate last.
+    errors: Vec<Vec<f64>>,
+}
+
+/// Geometric mean over the widths of the root mean square errors.
+fn pool(hidden: &[Hidden], count: usize) -> Vec<f64> {
+    let error = |h: &Hidden, k: usize| {
+        let square: f64 = h.weights.iter().zip(&h.errors[k]).map(|(m, e)| m * e * e).sum();
+        (square / h.weights.iter().sum::<f64>()).sqrt().max(f64::MIN_POSITIVE)
+    };
+    (0..count)
+        .map(|k| {
+            let seen = hidden.iter().filter(|h| !h.weights.is_empty());
+            let logs: Vec<f64> = seen.map(|h| error(h, k).ln()).collect();
+            (logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp()
+        })
+        .collect()
+}
+
+/// The ring up to `width` hole radii from the rim hidden from the fit at one stiffness.
+fn hide(
+    domain: &Domain,
+    copies: &[Copy],
+    energy: &Symmetric,
+    weight: &[f64],
+    stiffness: f64,
+    width: f64,
+) -> Option<Hidden> {
+    let mut seen = weight.to_vec();
+    let mut hidden = Vec::new();
+    for &v in &domain.ring {
+        if domain.rim_distance[v] < width * domain.radius {
+            seen[v] = 0.0;
+            hidden.push(v);
+        }
+    }
+    let mut columns = mismatches(domain, copies, &seen);
+    let positions = &domain.sheet.positions;
+    for d in 0..3 {
+        let from_centre = |v: usize| seen[v] * (positions[v] - domain.centre)[d];
+        columns.push((0..positions.len()).map(from_centre).collect());
+    }
+    energy.factored(stiffness, &seen)?.solve(&mut columns);
+    let plate = copies.len();
+    let off_plate = |&v: &usize| {
+        let predicted = glam::DVec3::from([0, 1, 2].map(|d| columns[plate + d][v]));
+        (positions[v] - domain.centre - predicted).dot(domain.directions[v])
+    };
+    let mut errors: Vec<Vec<f64>> = copies
+        .iter()
+        .zip(&columns)
+        .map(|(copy, d)| hidden.iter().map(|&v| -copy.heights[v] - d[v]).collect())
+        .collect();
+    errors.push(hidden.iter().map(off_plate).collect());
+    let weights = hidden.iter().map(|&v| domain.laplacian.mass[v]).collect();
+    Some(Hidden { weights, errors })
+}
+
+/// Right-hand sides m D of all copies.
+fn mismatches(domain: &Domain, copies: &[Copy], weight: &[f64]) -> Vec<Vec<f64>> {
+    let n = domain.sheet.positions.len();
+    copies
+        .iter()
+        .map(|copy| {
+            let mut column = vec![0.0; n];
+            domain.ring.iter().for_each(|&v| column[v] = -weight[v] * copy.heights[v]);
+            column
+        })
+        .collect()
+}
+
+/// The stiffness with the least mean log error over the best copies; of those within a hundredth
+/// of it the stiffest.
+fn choose(errors: &[Vec<f64>], copies: usize) -> usize {
+    let score = |e: &Vec<f64>| {
+        let mut best = e[..copies].to_vec();
+        best.sort_by(f64::total_cmp);
+        best.truncate(CHOOSERS);
+        best.iter().map(|x| x.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / best.len().max(1) as f64
+    };
+    let scores: Vec<f64> = errors.iter().map(score).collect();
+    let least = scores.iter().copied().fold(f64::INFINITY, f64::min);
+    scores.iter().rposition(|&s| s <= least + 0.01).unwrap_or(0)
+}
+
+fn apply(
+    domain: &Domain,
+    copies: &[Copy],
+    energy: &mut Symmetric,
+    weight: &[f64],
+    unit: f64,
+    chosen: usize,
+) -> Option<Fitted> {
+    let mut columns = mismatches(domain, copies, weight);
+    energy.factor(unit * STIFFNESSES[chosen], weight)?.solve(&mut columns);
+    let leftover: Vec<Vec<f64>> = copies
+        .iter()
+        .zip(&columns)
+        .map(|(copy, d)| {
+            let mut rest = vec![0.0; weight.len()];
+            domain.ring.iter().for_each(|&v| rest[v] = -copy.heights[v] - d[v]);
+            rest
+        })
+        .collect();
+    let faded = fade(domain, &leftover)?;
+    let heights = copies
+        .iter()
+        .enumerate()
+        .map(|(k, copy)| {
+            (0..weight.len()).map(|v| copy.heights[v] + columns[k][v] + faded[k][v]).collect()
+        })
+        .collect();
+    let stiffness = STIFFNESSES[chosen];
+    Some(Fitted {
+        heights,
+        error: Vec::new(),
+        plate_error: 0.0,
+        leftover,
+        stiffness,
+        hidden: Vec::new(),
+    })
+}
+
+/// (L + M/ℓ²) e = 0 in the fill, e given on the known vertices.
+fn fade(domain: &Domain, given: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let l = &domain.laplacian;
+    let first = domain.fill.start;
+    let screen = 1.0 / (FADE * domain.radius).powi(2);
+    let column = |v: usize| {
+        let below = l.row(v).filter(|&(w, _)| w > v && domain.fill.contains(&w));
+        let entries = below.map(|(w, x)| ((w - first) as u32, -x));
+        std::iter::once(((v - first) as u32, l.diagonal[v])).chain(entries).collect()
+    };
+    let mut matrix = Symmetric::from_columns(domain.fill.clone().map(column).collect());
+    let masses: Vec<f64> = domain.fill.clone().map(|v| screen * l.mass[v]).collect();
+    let factor = matrix.factor(1.0, &masses)?;
+    let from_rim = |given: &Vec<f64>| {
+        let sum = |v: usize| {
+            l.row(v).filter(|&(w, _)| domain.is_known(w)).map(|(w, x)| x * given[w]).sum::<f64>()
+        };
+        domain.fill.clone().map(sum).collect::<Vec<f64>>()
+    };
+    let mut inside: Vec<Vec<f64>> = given.iter().map(from_rim).collect();
+    factor.solve(&mut inside);
+    Some(
+        given
+            .iter()
+            .zip(inside)
+            .map(|(given, inside)| {
+                let mut all = given.clone();
+                all[domain.fill.clone()].copy_from_slice(&inside);
+                all
+            })
+            .collect(),
+    )
+}

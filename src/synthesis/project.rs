@@ -1,0 +1,128 @@
+//! The initial completion projected onto an aligned source, exactly: where each vertex's line meets
+//! the source's triangles.
+
+use super::domain::Domain;
+use crate::matching::rigid::Rigid;
+use crate::matching::source::Source;
+use glam::DVec3;
+
+/// Farthest a vertex may move, in hole radii.
+const REACH: f64 = 0.8;
+/// Least cosine between a vertex's line and the source's face.
+const FACING: f64 = 0.1;
+/// Share of the fill that a source must cover; fewer kills the hole's own place, too.
+const COVER: f64 = 0.97;
+/// Share of the ring.
+const RING_COVER: f64 = 0.85;
+
+/// A place on the source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Index into [`Source::faces`].
+    pub face: u32,
+    /// Barycentric coordinates on it.
+    pub barycentric: [f64; 3],
+}
+
+/// One source seen from the domain.
+#[derive(Clone)]
+pub struct Copy {
+    /// From source to target.
+    pub transform: Rigid,
+    /// Height at each domain vertex, in mesh units.
+    pub heights: Vec<f64>,
+    /// Unit normal of the aligned source there.
+    pub normals: Vec<DVec3>,
+    /// Where on the source; `None` where the height was filled in.
+    pub places: Vec<Option<Place>>,
+    /// Mean roughness of the source over the fill, see [`Source::roughness`].
+    pub roughness: f64,
+}
+
+/// Projects the whole domain; `None` if the source covers too little of it.
+pub fn project(domain: &Domain, source: &Source, transform: &Rigid) -> Option<Copy> {
+    let back = transform.inverse();
+    let n = domain.sheet.positions.len();
+    let mut copy = Copy {
+        transform: *transform,
+        heights: vec![f64::NAN; n],
+        normals: vec![DVec3::ZERO; n],
+        places: vec![None; n],
+        roughness: 0.0,
+    };
+    let mut missing = 0;
+    let allowed = ((1.0 - COVER) * domain.fill.len() as f64) as usize;
+    for v in domain.fill.clone() {
+        if !meet(domain, source, &back, v, &mut copy) {
+            missing += 1;
+            if missing > allowed {
+                return None;
+            }
+        }
+    }
+    let mut missing = 0;
+    for &v in &domain.ring {
+        missing += usize::from(!meet(domain, source, &back, v, &mut copy));
+    }
+    if missing as f64 > (1.0 - RING_COVER) * domain.ring.len() as f64 {
+        return None;
+    }
+    fill_in(domain, &mut copy);
+    let (mut rough, mut count) = (0.0, 0.0);
+    for place in domain.fill.clone().filter_map(|v| copy.places[v]) {
+        let corners = source.faces[place.face as usize].map(|v| source.roughness[v as usize]);
+        rough += (0..3).map(|k| place.barycentric[k] * corners[k]).sum::<f64>();
+        count += 1.0;
+    }
+    copy.roughness = rough / f64::max(count, 1.0);
+    Some(copy)
+}
+
+fn meet(domain: &Domain, source: &Source, back: &Rigid, v: usize, copy: &mut Copy) -> bool {
+    let origin = back.point(domain.sheet.positions[v]);
+    let direction = back.direction(domain.directions[v]);
+    // A reflection turns the corners' order around, not the outward normal.
+    let accept = |_: u32, t: &[DVec3; 3]| {
+        let n = (t[1] - t[0]).cross(t[2] - t[0]);
+        n.dot(direction) > FACING * n.length()
+    };
+    let reach = REACH * domain.radius;
+    let Some((face, height)) = source.tree.meet_line(origin, direction, reach, accept) else {
+        return false;
+    };
+    let barycentric = source.barycentric(face, origin + height * direction);
+    copy.heights[v] = height;
+    copy.normals[v] = copy.transform.direction(source.smooth_normal(face, barycentric));
+    copy.places[v] = Some(Place { face, barycentric });
+    true
+}
+
+/// Heights where the source has a gap: means of the neighbours, from the known ones outward.
+fn fill_in(domain: &Domain, copy: &mut Copy) {
+    loop {
+        let mut found = Vec::new();
+        for v in 0..copy.heights.len() {
+            if !copy.heights[v].is_nan() {
+                continue;
+            }
+            let (mut sum, mut count, mut normal) = (0.0, 0.0, DVec3::ZERO);
+            for (w, _) in domain.laplacian.row(v) {
+                if !copy.heights[w].is_nan() {
+                    sum += copy.heights[w];
+                    normal += copy.normals[w];
+                    count += 1.0;
+                }
+            }
+            if count > 0.0 {
+                found.push((v, sum / count, normal.normalize_or_zero()));
+            }
+        }
+        if found.is_empty() {
+            break;
+        }
+        for (v, height, normal) in found {
+            (copy.heights[v], copy.normals[v]) = (height, normal);
+        }
+    }
+    copy.heights.iter_mut().filter(|h| h.is_nan()).for_each(|h| *h = 0.0);
+}
