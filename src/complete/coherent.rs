@@ -43,21 +43,11 @@ impl Library {
         Self { source, maps: Mutex::default() }
     }
 
-    fn maps(
-        &self,
-        radius: f64,
-        threads: usize,
-        check: &dyn Fn() -> Result<()>,
-    ) -> Result<Arc<Maps>> {
+    fn maps(&self, radius: f64) -> Arc<Maps> {
         let scale = scale_of(&self.source, radius);
         // Holes of one scale wait for the first of them.
         let mut known = self.maps.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(maps) = known.get(&scale) {
-            return Ok(maps.clone());
-        }
-        let maps = Arc::new(Maps::new(&self.source, scale, threads, check)?);
-        known.insert(scale, maps.clone());
-        Ok(maps)
+        known.entry(scale).or_insert_with(|| Arc::new(Maps::new(&self.source, scale))).clone()
     }
 }
 
@@ -124,7 +114,8 @@ impl Scope<'_> {
         let Some(first) = windows.first() else { return Ok(Vec::new()) };
         let (source, threads) = (&self.library.source, self.threads);
         let at = |part: f64| move || (self.check)(part);
-        let maps = self.library.maps(first.domain.radius, threads, &at(0.1))?;
+        let maps = self.library.maps(first.domain.radius);
+        (self.check)(0.1)?;
         let rings: Vec<Vec<(DVec3, DVec3)>> =
             windows.iter().map(|w| w.domain.ring_points()).collect();
         let targets: Vec<Target<'_>> =

@@ -7,15 +7,18 @@ use super::source::Source;
 use crate::error::Result;
 use crate::parallel;
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// Radius of the height maps, in hole radii: the hole and a ring as wide as its radius.
 const REACH: f64 = 2.0;
 /// Widths of the ring that are compared, in hole radii.
 const WIDTHS: [f64; 2] = [0.5, 1.0];
-/// Of the windows along a long hole, which are many, each compares the first width only, with this many
-/// of the nearest maps and every so many-th of the others.
-const NEAREST: usize = 1000;
-const STRIDE: usize = 6;
+/// A hole is compared with so many maps for each of its vertices, but with these at least: what a small
+/// hole costs is small, too. Half of them are the nearest, the others are spread over the rest.
+const MAPS_A_VERTEX: usize = 10;
+const FEWEST_MAPS: usize = 600;
+/// Of the windows along a long hole, which are many, each compares the first width only, with this many.
+const MAPS_A_WINDOW: usize = 1500;
 /// Source centres lie this far apart, in hole radii: within reach of the ICP.
 const SPACING: f64 = 0.3;
 /// And there are about this many at most.
@@ -33,12 +36,14 @@ const WIDENED: usize = 6;
 /// Ring points of the first and of the second alignment, at most.
 const POINTS: [usize; 2] = [160, 400];
 
-/// The source at one scale: a thinned cloud and the height maps around centres spread over it.
+/// The source at one scale: a thinned cloud and the height maps around centres spread over it, each
+/// made when it is first asked for.
 pub struct Maps {
     /// Hole radius that they are for, in mesh units.
     pub radius: f64,
     cloud: Cloud,
-    maps: Vec<HeightMap>,
+    centres: Cloud,
+    maps: Vec<OnceLock<Option<HeightMap>>>,
 }
 
 /// The ratio of one scale to the next: holes whose radii differ by less share their maps.
@@ -53,32 +58,41 @@ pub fn scale_of(source: &Source, radius: f64) -> i32 {
 
 impl Maps {
     /// The source at a scale, see [`scale_of`].
-    pub fn new(
-        source: &Source,
-        scale: i32,
-        threads: usize,
-        check: &dyn Fn() -> Result<()>,
-    ) -> Result<Self> {
+    pub fn new(source: &Source, scale: i32) -> Self {
         let radius = source.edge * SCALE_STEP.powi(scale);
         let cloud = Cloud::of_source(source, CLOUD_SPACING * radius);
-        check()?;
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
         let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0);
         let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing);
-        let batches = centres.points.len().div_ceil(BATCH);
-        let reach = REACH * radius;
-        let one = |b: usize| {
-            let range = b * BATCH..centres.points.len().min((b + 1) * BATCH);
-            let map = |c: usize| {
-                let (centre, normal) = (centres.points[c], centres.normals[c]);
-                let ids = cloud.tree.within(centre, reach);
-                let frame = frame_at(&cloud, &ids, centre, normal, radius)?;
-                Some(HeightMap::new(&cloud, &ids, frame, reach))
-            };
-            range.filter_map(map).collect::<Vec<_>>()
+        let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
+        Self { radius, cloud, centres, maps }
+    }
+
+    /// The map around a centre; `None` where the surface has no side to be seen from.
+    fn map(&self, c: usize) -> Option<&HeightMap> {
+        let make = || {
+            let (centre, normal) = (self.centres.points[c], self.centres.normals[c]);
+            let reach = REACH * self.radius;
+            let ids = self.cloud.tree.within(centre, reach);
+            let frame = frame_at(&self.cloud, &ids, centre, normal, self.radius)?;
+            Some(HeightMap::new(&self.cloud, &ids, frame, reach))
         };
-        let maps = parallel::map(batches, threads, check, &one)?.into_iter().flatten().collect();
-        Ok(Self { radius, cloud, maps })
+        self.maps[c].get_or_init(make).as_ref()
+    }
+
+    /// The centres that a target is compared with, in order.
+    fn choose(&self, target: &Target<'_>, most: usize) -> Vec<u32> {
+        let mut ids: Vec<u32> = (0..self.maps.len() as u32).collect();
+        if ids.len() > most {
+            let off = |i: &u32| self.centres.points[*i as usize].distance_squared(target.centre);
+            ids.sort_by(|a, b| off(a).total_cmp(&off(b)).then(a.cmp(b)));
+            let mut far = ids.split_off(most / 2);
+            far.sort_unstable();
+            let stride = far.len() as f64 / (most - most / 2) as f64;
+            let spread = (0..most - most / 2).map(|k| far[(k as f64 * stride) as usize]);
+            ids.extend(spread);
+        }
+        ids
     }
 }
 
@@ -166,7 +180,11 @@ fn search_maps(
             widths.iter().map(ring).collect::<Vec<_>>()
         })
         .collect();
-    let chosen: Vec<Vec<u32>> = targets.iter().map(|t| maps.choose(t, targets.len() > 1)).collect();
+    let most = |t: &Target<'_>| match targets.len() {
+        1 => (MAPS_A_VERTEX * t.fill.len()).max(FEWEST_MAPS),
+        _ => MAPS_A_WINDOW,
+    };
+    let chosen: Vec<Vec<u32>> = targets.iter().map(|t| maps.choose(t, most(t))).collect();
     let jobs: Vec<(usize, usize)> = (0..patterns.len())
         .filter(|&p| patterns[p].is_useful())
         .flat_map(|p| (0..chosen[p / widths.len()].len()).step_by(BATCH).map(move |b| (p, b)))
@@ -176,7 +194,9 @@ fn search_maps(
         let ids = &chosen[p / widths.len()];
         let mut found = Vec::new();
         for &m in &ids[start..ids.len().min(start + BATCH)] {
-            patterns[p].compare(&maps.maps[m as usize], &mut found);
+            if let Some(map) = maps.map(m as usize) {
+                patterns[p].compare(map, &mut found);
+            }
         }
         found
     };
@@ -189,20 +209,6 @@ fn search_maps(
     };
     let kept: Vec<Vec<Candidate>> = by_pattern.into_iter().enumerate().map(best).collect();
     Ok(kept.chunks(widths.len()).map(|c| c.concat()).collect())
-}
-
-impl Maps {
-    /// The maps that a target is compared with.
-    fn choose(&self, target: &Target<'_>, few: bool) -> Vec<u32> {
-        let mut ids: Vec<u32> = (0..self.maps.len() as u32).collect();
-        if few && ids.len() > NEAREST {
-            let off = |i: &u32| self.maps[*i as usize].frame.centre.distance_squared(target.centre);
-            ids.sort_by(|a, b| off(a).total_cmp(&off(b)).then(a.cmp(b)));
-            let far = ids.split_off(NEAREST);
-            ids.extend(far.into_iter().step_by(STRIDE));
-        }
-        ids
-    }
 }
 
 /// The frame of a source map: the centre moved onto the surface's mean plane, the mean normal.
@@ -321,7 +327,7 @@ mod tests {
             };
             let check = || Ok(());
             let run = |threads| {
-                let maps = Maps::new(&source, scale_of(&source, RADIUS), threads, &check).unwrap();
+                let maps = Maps::new(&source, scale_of(&source, RADIUS));
                 assert!(maps.radius >= RADIUS && maps.radius <= 1.081 * RADIUS);
                 find_candidates(&source, &maps, &[target()], threads, &check).unwrap().remove(0)
             };
