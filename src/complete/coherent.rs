@@ -13,7 +13,8 @@ use super::smooth::{Fill, Story, Surroundings};
 use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::fill::refine::refine;
-use crate::matching::search::{find_candidates, scale_of, Maps, Target};
+use crate::matching::cloud::Cloud;
+use crate::matching::search::{cloud_at, cloud_scale, find_candidates, scale_of, Maps, Target};
 use crate::matching::source::Source;
 use crate::progress::Pace;
 use crate::result::{Origin, SourceReport};
@@ -35,20 +36,27 @@ pub struct Library {
     /// The source.
     pub source: Source,
     maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
+    clouds: Mutex<BTreeMap<i32, Arc<Cloud>>>,
 }
 
 impl Library {
     /// Of a source; maps are made when a hole first asks for them.
     pub fn new(source: Source) -> Self {
-        Self { source, maps: Mutex::default() }
+        Self { source, maps: Mutex::default(), clouds: Mutex::default() }
     }
 
     fn maps(&self, radius: f64) -> Arc<Maps> {
         let scale = scale_of(&self.source, radius);
-        // Holes of one scale wait for the first of them.
-        let mut known = self.maps.lock().unwrap_or_else(PoisonError::into_inner);
-        known.entry(scale).or_insert_with(|| Arc::new(Maps::new(&self.source, scale))).clone()
+        let cloud_scale = cloud_scale(&self.source, scale);
+        let cloud = once(&self.clouds, cloud_scale, || cloud_at(&self.source, cloud_scale));
+        once(&self.maps, scale, || Maps::new(&self.source, scale, cloud))
     }
+}
+
+/// What is kept under a key, made if it is not there: who comes later waits for the first.
+fn once<T>(kept: &Mutex<BTreeMap<i32, Arc<T>>>, key: i32, make: impl FnOnce() -> T) -> Arc<T> {
+    let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+    kept.entry(key).or_insert_with(|| Arc::new(make())).clone()
 }
 
 /// The coherent completion of a hole whose smooth completion is given. `Ok(None)`: nothing on the

@@ -7,18 +7,12 @@ use super::source::Source;
 use crate::error::Result;
 use crate::parallel;
 use glam::DVec3;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Radius of the height maps, in hole radii: the hole and a ring as wide as its radius.
 const REACH: f64 = 2.0;
 /// Widths of the ring that are compared, in hole radii.
 const WIDTHS: [f64; 2] = [0.5, 1.0];
-/// A hole is compared with so many maps for each of its vertices, but with these at least: what a small
-/// hole costs is small, too. Half of them are the nearest, the others are spread over the rest.
-const MAPS_A_VERTEX: usize = 10;
-const FEWEST_MAPS: usize = 600;
-/// Of the windows along a long hole, which are many, each compares the first width only, with this many.
-const MAPS_A_WINDOW: usize = 1500;
 /// Source centres lie this far apart, in hole radii: within reach of the ICP.
 const SPACING: f64 = 0.3;
 /// And there are about this many at most.
@@ -27,12 +21,38 @@ const MOST_CENTRES: f64 = 4000.0;
 const BATCH: usize = 32;
 /// Normals are averaged over this radius, in hole radii, to give a map its plane.
 const PLANE: f64 = 0.7;
-/// Candidates kept for the ICP, of each width.
-const KEPT: usize = 24;
-/// Of these the best after a first alignment are aligned on the surface itself.
-const FINE: usize = 20;
-/// And of these so many also on a wider ring.
-const WIDENED: usize = 6;
+/// How much a target is worth. All grow with its fill up to some four hundred vertices, so that many
+/// small holes cost no more than a large one.
+struct Effort {
+    /// Source maps that it is compared with: half of them the nearest, the others spread over the rest.
+    maps: usize,
+    /// Widths of the ring that are compared.
+    widths: &'static [f64],
+    /// Candidates kept for the ICP, of each width.
+    kept: usize,
+    /// Of these the best after a first alignment are aligned on the surface itself.
+    fine: usize,
+    /// And of these so many also on a wider ring.
+    widened: usize,
+}
+
+impl Effort {
+    fn of(target: &Target<'_>, targets: usize) -> Self {
+        let n = target.fill.len();
+        match targets {
+            1 => Self {
+                maps: (10 * n).max(600),
+                widths: &WIDTHS,
+                kept: (n / 10).clamp(10, 24),
+                fine: (n / 10).clamp(8, 20),
+                widened: (n / 30).clamp(2, 6),
+            },
+            // The windows along a long hole are many.
+            _ => Self { maps: 1000, widths: &WIDTHS[..1], kept: 12, fine: 8, widened: 0 },
+        }
+    }
+}
+
 /// Ring points of the first and of the second alignment, at most.
 const POINTS: [usize; 2] = [160, 400];
 
@@ -41,7 +61,7 @@ const POINTS: [usize; 2] = [160, 400];
 pub struct Maps {
     /// Hole radius that they are for, in mesh units.
     pub radius: f64,
-    cloud: Cloud,
+    cloud: Arc<Cloud>,
     centres: Cloud,
     maps: Vec<OnceLock<Option<HeightMap>>>,
 }
@@ -50,17 +70,33 @@ pub struct Maps {
 const SCALE_STEP: f64 = 1.08;
 /// Spacing of the thinned source, in hole radii: two points a bin of the height maps.
 const CLOUD_SPACING: f64 = 0.11;
+/// The ratio of one cloud's spacing to the next.
+const CLOUD_STEP: f64 = 1.35;
 
 /// The scale that serves a hole radius: the least power of 1.08 (times the source's edge) above it.
 pub fn scale_of(source: &Source, radius: f64) -> i32 {
     ((radius / source.edge).ln() / SCALE_STEP.ln()).ceil() as i32
 }
 
+fn radius_of(source: &Source, scale: i32) -> f64 {
+    source.edge * SCALE_STEP.powi(scale)
+}
+
+/// The cloud that serves a scale: the power of [`CLOUD_STEP`] of its spacing, in edges.
+pub fn cloud_scale(source: &Source, scale: i32) -> i32 {
+    let spacing = Cloud::spacing(source, CLOUD_SPACING * radius_of(source, scale));
+    ((spacing / source.edge).ln() / CLOUD_STEP.ln()).round() as i32
+}
+
+/// The cloud of a [`cloud_scale`].
+pub fn cloud_at(source: &Source, cloud_scale: i32) -> Cloud {
+    Cloud::of_source(source, source.edge * CLOUD_STEP.powi(cloud_scale))
+}
+
 impl Maps {
-    /// The source at a scale, see [`scale_of`].
-    pub fn new(source: &Source, scale: i32) -> Self {
-        let radius = source.edge * SCALE_STEP.powi(scale);
-        let cloud = Cloud::of_source(source, CLOUD_SPACING * radius);
+    /// The source at a scale, see [`scale_of`], with the cloud of [`cloud_scale`].
+    pub fn new(source: &Source, scale: i32, cloud: Arc<Cloud>) -> Self {
+        let radius = radius_of(source, scale);
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
         let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0);
         let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing);
@@ -122,7 +158,8 @@ pub fn find_candidates(
     let matches = search_maps(maps, targets, threads, check)?;
     let mut all = Vec::new();
     for (target, matches) in targets.iter().zip(matches) {
-        all.push(align_all(source, target, &matches, threads, check)?);
+        let effort = Effort::of(target, targets.len());
+        all.push(align_all(source, target, &matches, &effort, threads, check)?);
     }
     Ok(all)
 }
@@ -131,6 +168,7 @@ fn align_all(
     source: &Source,
     target: &Target<'_>,
     matches: &[Candidate],
+    effort: &Effort,
     threads: usize,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Candidate>> {
@@ -144,9 +182,9 @@ fn align_all(
     };
     let first = |i: usize| improve(&matches[i], &coarse, Partner::Vertex, 12);
     let found = parallel::map(matches.len(), threads, check, &first)?;
-    let found = merge(found, target, FINE);
+    let found = merge(found, target, effort.fine);
     let second = |i: usize| improve(&found[i], &fine, Partner::Surface, 15);
-    let mut found = merge(parallel::map(found.len(), threads, check, &second)?, target, FINE);
+    let mut found = merge(parallel::map(found.len(), threads, check, &second)?, target, effort.fine);
     // The best also by a wider ring, whole: where the near one is plain, or not quite alike.
     let wide = wide_ring(source, target);
     let third = |i: usize| {
@@ -154,7 +192,7 @@ fn align_all(
         let transform = align(source, &wide, transform, Partner::Surface, 15, 0.5 * radius, 1.0);
         Candidate { transform, cost: bland * misfit(source, &fine, &transform, radius), bland }
     };
-    let variants = parallel::map(found.len().min(WIDENED), threads, check, &third)?;
+    let variants = parallel::map(found.len().min(effort.widened), threads, check, &third)?;
     found.extend(variants);
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     Ok(found)
@@ -167,7 +205,8 @@ fn search_maps(
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Vec<Candidate>>> {
     let reach = REACH * maps.radius;
-    let widths = if targets.len() > 1 { &WIDTHS[..1] } else { &WIDTHS[..] };
+    let efforts: Vec<Effort> = targets.iter().map(|t| Effort::of(t, targets.len())).collect();
+    let Some(widths) = efforts.first().map(|e| e.widths) else { return Ok(Vec::new()) };
     // Pattern p is width p % widths of target p / widths.
     let patterns: Vec<RingPattern> = targets
         .iter()
@@ -180,11 +219,8 @@ fn search_maps(
             widths.iter().map(ring).collect::<Vec<_>>()
         })
         .collect();
-    let most = |t: &Target<'_>| match targets.len() {
-        1 => (MAPS_A_VERTEX * t.fill.len()).max(FEWEST_MAPS),
-        _ => MAPS_A_WINDOW,
-    };
-    let chosen: Vec<Vec<u32>> = targets.iter().map(|t| maps.choose(t, most(t))).collect();
+    let chosen: Vec<Vec<u32>> =
+        targets.iter().zip(&efforts).map(|(t, e)| maps.choose(t, e.maps)).collect();
     let jobs: Vec<(usize, usize)> = (0..patterns.len())
         .filter(|&p| patterns[p].is_useful())
         .flat_map(|p| (0..chosen[p / widths.len()].len()).step_by(BATCH).map(move |b| (p, b)))
@@ -205,7 +241,7 @@ fn search_maps(
     jobs.iter().zip(results).for_each(|(job, found)| by_pattern[job.0].extend(found));
     let best = |(p, found): (usize, Vec<Candidate>)| {
         let target = &targets[p / widths.len()];
-        keep_different(found, target.centre, target.radius, 0.6, KEPT)
+        keep_different(found, target.centre, target.radius, 0.6, efforts[p / widths.len()].kept)
     };
     let kept: Vec<Vec<Candidate>> = by_pattern.into_iter().enumerate().map(best).collect();
     Ok(kept.chunks(widths.len()).map(|c| c.concat()).collect())
@@ -327,12 +363,12 @@ mod tests {
             };
             let check = || Ok(());
             let run = |threads| {
-                let maps = Maps::new(&source, scale_of(&source, RADIUS));
+                let maps = maps_of(&source);
                 assert!(maps.radius >= RADIUS && maps.radius <= 1.081 * RADIUS);
                 find_candidates(&source, &maps, &[target()], threads, &check).unwrap().remove(0)
             };
             let found = run(1);
-            assert!(found.len() <= FINE + WIDENED && found.is_sorted_by(|a, b| a.cost <= b.cost));
+            assert!(found.len() <= 26 && found.is_sorted_by(|a, b| a.cost <= b.cost));
             let best = found[0].transform;
             let off = ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, _)| {
                 m.max(best.point(truth.inverse().point(*p)).distance(*p))
