@@ -153,10 +153,11 @@ pub fn misfit(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f6
     for &(p, n) in ring {
         let most = 0.5 * radius;
         let (p, n) = (back.point(p), back.direction(n));
-        let (gap, cosine) = match find_partner(source, p, Partner::Vertex, radius, &mut NONE.clone()) {
-            Some((q, m)) => ((q - p).dot(m).abs().min(most), n.dot(m)),
-            None => (most, 0.0),
-        };
+        let (gap, cosine) =
+            match find_partner(source, p, Partner::Vertex, radius, &mut NONE.clone()) {
+                Some((q, m)) => ((q - p).dot(m).abs().min(most), n.dot(m)),
+                None => (most, 0.0),
+            };
         square += gap * gap;
         turned += 1.0 - cosine;
     }
