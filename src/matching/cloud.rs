@@ -30,8 +30,11 @@ impl Cloud {
     pub fn of_source(source: &Source, spacing: f64) -> Self {
         let spacing = Self::spacing(source, spacing);
         if source.edge < spacing {
-            let all = 0..source.positions.len();
-            let point = |v: usize| (source.positions[v], source.normals[v], source.roughness[v]);
+            let all = source.points.ids().iter();
+            let point = |&v: &u32| {
+                let v = v as usize;
+                (source.positions[v], source.normals[v], source.roughness[v])
+            };
             return Self::thin(all.map(point), spacing);
         }
         let mut samples = Vec::new();

@@ -62,7 +62,12 @@ const POINTS: [usize; 2] = [160, 400];
 pub struct Maps {
     /// Hole radius that they are for, in mesh units.
     pub radius: f64,
+    /// Of the source.
     cloud: Arc<Cloud>,
+    /// Of the object that is filled: the same where all of it may be copied from.
+    known: Arc<Cloud>,
+    /// Whether mirrored copies may be made.
+    mirrored: bool,
     centres: Cloud,
     maps: Vec<OnceLock<Option<HeightMap>>>,
 }
@@ -74,18 +79,19 @@ const CLOUD_SPACING: f64 = 0.11;
 /// The ratio of one cloud's spacing to the next.
 const CLOUD_STEP: f64 = 1.25;
 
-/// The scale that serves a hole radius: the least power of 1.08 (times the source's edge) above it.
-pub fn scale_of(source: &Source, radius: f64) -> i32 {
-    ((radius / source.edge).ln() / SCALE_STEP.ln()).ceil() as i32
+/// The scale that serves a hole radius: the least power of 1.08 (times the object's edge) above it.
+pub fn scale_of(edge: f64, radius: f64) -> i32 {
+    ((radius / edge).ln() / SCALE_STEP.ln()).ceil() as i32
 }
 
-fn radius_of(source: &Source, scale: i32) -> f64 {
-    source.edge * SCALE_STEP.powi(scale)
+/// The hole radius of a scale.
+pub fn radius_at(edge: f64, scale: i32) -> f64 {
+    edge * SCALE_STEP.powi(scale)
 }
 
-/// The cloud that serves a scale: the power of [`CLOUD_STEP`] of its spacing, in edges.
-pub fn cloud_scale(source: &Source, scale: i32) -> i32 {
-    let spacing = Cloud::spacing(source, CLOUD_SPACING * radius_of(source, scale));
+/// The cloud that serves a hole radius: the power of [`CLOUD_STEP`] of its spacing, in edges.
+pub fn cloud_scale(source: &Source, radius: f64) -> i32 {
+    let spacing = Cloud::spacing(source, CLOUD_SPACING * radius);
     ((spacing / source.edge).ln() / CLOUD_STEP.ln()).floor() as i32
 }
 
@@ -95,14 +101,20 @@ pub fn cloud_at(source: &Source, cloud_scale: i32) -> Cloud {
 }
 
 impl Maps {
-    /// The source at a scale, see [`scale_of`], with the cloud of [`cloud_scale`].
-    pub fn new(source: &Source, scale: i32, cloud: Arc<Cloud>) -> Self {
-        let radius = radius_of(source, scale);
+    /// Around centres on a source, for holes of about a radius (mesh units) in the object that the
+    /// cloud `known` is of.
+    pub fn new(
+        source: &Source,
+        radius: f64,
+        cloud: Arc<Cloud>,
+        known: Arc<Cloud>,
+        mirrored: bool,
+    ) -> Self {
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
         let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0);
         let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing);
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
-        Self { radius, cloud, centres, maps }
+        Self { radius, cloud, known, mirrored, centres, maps }
     }
 
     /// The map around a centre; `None` where the surface has no side to be seen from.
@@ -150,6 +162,7 @@ pub struct Target<'a> {
 /// The best aligned places for each of several targets of one radius, best first: the source's maps
 /// are made once for all.
 pub fn find_candidates(
+    known: &Source,
     source: &Source,
     maps: &Maps,
     targets: &[Target<'_>],
@@ -160,12 +173,13 @@ pub fn find_candidates(
     let mut all = Vec::new();
     for (target, matches) in targets.iter().zip(matches) {
         let effort = Effort::of(target, targets.len());
-        all.push(align_all(source, target, &matches, &effort, threads, check)?);
+        all.push(align_all(known, source, target, &matches, &effort, threads, check)?);
     }
     Ok(all)
 }
 
 fn align_all(
+    known: &Source,
     source: &Source,
     target: &Target<'_>,
     matches: &[Candidate],
@@ -188,7 +202,7 @@ fn align_all(
     let mut found =
         merge(parallel::map(found.len(), threads, check, &second)?, target, effort.fine);
     // The best also by a wider ring, whole: where the near one is plain, or not quite alike.
-    let wide = wide_ring(source, target);
+    let wide = wide_ring(known, target);
     let third = |i: usize| {
         let Candidate { transform, bland, .. } = found[i];
         let transform = align(source, &wide, transform, Partner::Surface, 15, 0.5 * radius, 1.0);
@@ -214,8 +228,8 @@ fn search_maps(
         .iter()
         .flat_map(|target| {
             let frame = Frame::new(target.centre, target.normal);
-            let around = maps.cloud.tree.within(target.centre, 1.5 * reach);
-            let known = HeightMap::new(&maps.cloud, &around, frame, reach);
+            let around = maps.known.tree.within(target.centre, 1.5 * reach);
+            let known = HeightMap::new(&maps.known, &around, frame, reach);
             let ring =
                 |w: &f64| RingPattern::new(&known, target.fill, reach, (1.0 + w) * target.radius);
             widths.iter().map(ring).collect::<Vec<_>>()
@@ -233,7 +247,7 @@ fn search_maps(
         let mut found = Vec::new();
         for &m in &ids[start..ids.len().min(start + BATCH)] {
             if let Some(map) = maps.map(m as usize) {
-                patterns[p].compare(map, &mut found);
+                patterns[p].compare(map, maps.mirrored, &mut found);
             }
         }
         found
@@ -269,11 +283,11 @@ fn frame_at(
 }
 
 /// Known points up to a whole radius from the hole, on the target's side.
-fn wide_ring(source: &Source, target: &Target<'_>) -> Vec<RingPoint> {
-    let near = source.points.within(target.centre, 2.0 * target.radius);
+fn wide_ring(known: &Source, target: &Target<'_>) -> Vec<RingPoint> {
+    let near = known.points.within(target.centre, 2.0 * target.radius);
     let points: Vec<RingPoint> = near
         .iter()
-        .map(|&v| (source.positions[v as usize], source.normals[v as usize]))
+        .map(|&v| (known.positions[v as usize], known.normals[v as usize]))
         .filter(|(_, n)| n.dot(target.normal) > 0.0)
         .collect();
     thin_ring(&points, POINTS[1])
@@ -339,9 +353,9 @@ mod tests {
     }
 
     fn maps_of(source: &Source) -> Maps {
-        let scale = scale_of(source, RADIUS);
-        let cloud = cloud_at(source, cloud_scale(source, scale));
-        Maps::new(source, scale, Arc::new(cloud))
+        let radius = radius_at(source.edge, scale_of(source.edge, RADIUS));
+        let cloud = Arc::new(cloud_at(source, cloud_scale(source, radius)));
+        Maps::new(source, radius, cloud.clone(), cloud, true)
     }
 
     fn polar(t: &Rigid, radii: std::ops::Range<f64>) -> Vec<RingPoint> {
@@ -373,7 +387,9 @@ mod tests {
             let run = |threads| {
                 let maps = maps_of(&source);
                 assert!(maps.radius >= RADIUS && maps.radius <= 1.081 * RADIUS);
-                find_candidates(&source, &maps, &[target()], threads, &check).unwrap().remove(0)
+                find_candidates(&source, &source, &maps, &[target()], threads, &check)
+                    .unwrap()
+                    .remove(0)
             };
             let found = run(1);
             assert!(found.len() <= 80 && found.is_sorted_by(|a, b| a.cost <= b.cost));
@@ -401,7 +417,7 @@ mod tests {
         let (centre, normal) = (fill[0], DVec3::Z);
         let target = Target { centre, normal, radius: RADIUS, fill: &fill, ring: &ring };
         let stop = || Err(Error::Cancelled);
-        let found = find_candidates(&source, &maps_of(&source), &[target], 1, &stop);
+        let found = find_candidates(&source, &source, &maps_of(&source), &[target], 1, &stop);
         assert_eq!(found.err(), Some(Error::Cancelled));
     }
 
