@@ -116,9 +116,14 @@ pub fn fill_hole(
     let mut pace = Pace::new(&ask);
     let mut reason = String::from("its rim has no triangulation");
     for (round, all_pairs) in ALL_PAIRS.into_iter().enumerate() {
-        // A small polygon has all its chords the first time already.
-        if round > 0 && all_pairs.holds(&polygon) {
-            break;
+        // Each search is another only for polygons of some sizes.
+        let is_another = match round {
+            0 => true,
+            1 => !all_pairs.holds(&polygon),
+            _ => all_pairs.holds(&polygon) && !ALL_PAIRS[0].holds(&polygon),
+        };
+        if !is_another {
+            continue;
         }
         let first =
             triangulate(&outline.positions, &outline.sizes, &polygon, all_pairs, &mut pace)?;
