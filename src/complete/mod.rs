@@ -109,6 +109,7 @@ impl<'a> Completer<'a> {
         let incidence = Incidence::new(&near);
         let single = self.mesh.vertices.is_single();
         let around = Surroundings {
+            input_vertices: self.mesh.vertices.len(),
             near: &near,
             incidence: &incidence,
             places: FacePlaces::new(&near, todo.len()),

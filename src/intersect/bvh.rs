@@ -96,17 +96,14 @@ impl Bvh {
 
     /// Builds the tree over pairs (face index, corners).
     pub fn from_triangles(triangles: impl Iterator<Item = (u32, Triangle)>) -> Self {
-        let (faces, triangles): (Vec<u32>, Vec<Triangle>) = triangles.unzip();
+        let (mut faces, mut triangles): (Vec<u32>, Vec<Triangle>) = triangles.unzip();
         let mut items = grid_centers(&triangles);
         let mut nodes = Vec::with_capacity(triangles.len());
         if !items.is_empty() {
             build_node(&mut nodes, &mut items, 0, &triangles);
         }
-        Self {
-            nodes,
-            faces: items.iter().map(|i| faces[i.index as usize]).collect(),
-            triangles: items.iter().map(|i| triangles[i.index as usize]).collect(),
-        }
+        put_in_order(&mut items, &mut faces, &mut triangles);
+        Self { nodes, faces, triangles }
     }
 
     /// Box of everything; [`Aabb::EMPTY`] without faces.
@@ -279,6 +276,23 @@ fn line_parameter(origin: DVec3, direction: DVec3, t: &Triangle) -> Option<f64> 
     // A line through an edge must not slip between its two faces by rounding.
     let slack = 1e-12;
     (u >= -slack && v >= -slack && u + v <= 1.0 + slack).then(|| e2.dot(q) / det)
+}
+
+/// Brings faces and triangles into the order of the items, in place: copies of all of them are most of
+/// what a build takes. Follows the cycles of the permutation.
+fn put_in_order(items: &mut [Item], faces: &mut [u32], triangles: &mut [Triangle]) {
+    for start in 0..items.len() {
+        let mut at = start;
+        loop {
+            let from = std::mem::replace(&mut items[at].index, at as u32) as usize;
+            if from == at || from == start {
+                break;
+            }
+            faces.swap(at, from);
+            triangles.swap(at, from);
+            at = from;
+        }
+    }
 }
 
 /// Appends the subtree over `items`, whose first entry has the number `first`; returns its box.
