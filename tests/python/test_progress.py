@@ -57,7 +57,7 @@ def test_every_progress_call_can_cancel(small, name):
             assert len(calls) == cancelled  # and none after it
         else:
             break  # there were fewer calls: how many depends on the time they take
-    assert len(calls) == cancelled
+    assert len(calls) <= cancelled
     assert cancelled >= (20 if name in ("complete_mesh", "Completer.complete") else 1)
     assert same(vertices, small[0]) and same(faces, small[1])
 
