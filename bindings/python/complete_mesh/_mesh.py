@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""The calls."""
+
+from __future__ import annotations
+
+import weakref
+from typing import Any, Optional, Sequence
+
+from numpy.typing import ArrayLike
+
+from ._arrays import Mesh
+from ._library import library
+from ._options import Call, Progress
+from ._result import Holes, Result
+
+_OUTPUTS = ("whole_mesh", "new_only")
+
+
+def complete_mesh(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    method: str = "coherent",
+    fairing: str = "auto",
+    sizing: str = "surroundings",
+    sizing_value: Optional[float] = None,
+    grouping: str = "automatic",
+    join_vertices: Optional[Sequence[Sequence[int]]] = None,
+    selection: str = "all",
+    selection_ids: Optional[ArrayLike] = None,
+    selection_max_edges: Optional[int] = None,
+    selection_length: Optional[float] = None,
+    selection_point: Optional[ArrayLike] = None,
+    skip_unsafe: bool = False,
+    threads: int = 0,
+    output: str = "whole_mesh",
+    progress: Optional[Progress] = None,
+) -> Result:
+    """Fills holes of a triangle mesh.
+
+    The arrays are only read; float32, float64, int32 and uint32 rows of three numbers side by side
+    (packed, or columns of a wider array) are read where they lie, others are copied. The GIL is
+    released: other threads run, and must leave the arrays alone.
+
+    Args:
+        vertices: (n, 3) positions, float32 or float64, in any unit: the mesh unit.
+        faces: (m, 3) vertex indices, integers, counter-clockwise seen from outside.
+        method: "coherent" continues what the object shows, or is smooth where nothing serves;
+            "smooth" is always smooth; "harary" is the paper's method as written, slow.
+        fairing: the smooth surface to start from: "auto", "none", "c0", "c1", "c2",
+            "least_squares" or "smoothed_plate".
+        sizing: the edge length that new triangles aim for: "surroundings", "scaled" (that times
+            `sizing_value`), "edge_length" (`sizing_value`) or "none".
+        sizing_value: a factor, 0.05 to 20, or a length in mesh units.
+        grouping: which boundary loops are one hole: "automatic" (loops that face each other),
+            "separate" (every loop), or "join" (the lists of `join_vertices`).
+        join_vertices: a list of vertices for each hole; any vertex of a loop stands for the loop.
+        selection: which holes: "all", "ids", "max_edges", "max_circumference", "max_diameter",
+            "all_but_largest", "near_point" or "near_vertices".
+        selection_ids: ids of holes for "ids", indices of vertices for "near_vertices".
+        selection_max_edges: boundary edges, for "max_edges".
+        selection_length: mesh units, for "max_circumference" and "max_diameter".
+        selection_point: (3,), mesh units, for "near_point".
+        skip_unsafe: leave a hole open that cannot be filled, and say why in the report, instead
+            of failing.
+        threads: worker threads, 0 for as many as there are cores. The result does not depend on it.
+        output: "whole_mesh", or "new_only" for a result without `vertices` and `faces`.
+        progress: called as ``progress(fraction, stage)`` with 0 to 1 and a word or two, on the
+            calling thread. What it returns cancels the call if it is true; what it raises cancels
+            the call and comes out of it.
+
+    Raises:
+        CompleteMeshError: with a status and the elements that are in the way.
+        Cancelled: progress returned something true.
+        TypeError, ValueError: an argument cannot be.
+    """
+    whole_mesh = _is_whole(output)
+    lib, mesh = library(), Mesh(vertices, faces)
+    call = Call(
+        lib,
+        mesh,
+        method=method,
+        fairing=fairing,
+        sizing=sizing,
+        sizing_value=sizing_value,
+        grouping=grouping,
+        join_vertices=join_vertices,
+        selection=selection,
+        selection_ids=selection_ids,
+        selection_max_edges=selection_max_edges,
+        selection_length=selection_length,
+        selection_point=selection_point,
+        skip_unsafe=skip_unsafe,
+        threads=threads,
+        progress=progress,
+    )
+    handle = call.run(lib.complete, lib.result_free, *mesh.arguments())
+    try:
+        return Result(lib, handle, mesh.vertices, mesh.faces, whole_mesh)
+    finally:
+        lib.result_free(handle)
+
+
+def list_holes(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    grouping: str = "automatic",
+    join_vertices: Optional[Sequence[Sequence[int]]] = None,
+    selection: str = "all",
+    selection_ids: Optional[ArrayLike] = None,
+    selection_max_edges: Optional[int] = None,
+    selection_length: Optional[float] = None,
+    selection_point: Optional[ArrayLike] = None,
+    progress: Optional[Progress] = None,
+) -> Holes:
+    """Finds and measures the holes of a mesh and fills nothing.
+
+    Arguments and errors are those of `complete_mesh`. Holes outside the selection are listed with
+    the status "not_selected".
+    """
+    lib, mesh = library(), Mesh(vertices, faces)
+    call = Call(
+        lib,
+        mesh,
+        grouping=grouping,
+        join_vertices=join_vertices,
+        selection=selection,
+        selection_ids=selection_ids,
+        selection_max_edges=selection_max_edges,
+        selection_length=selection_length,
+        selection_point=selection_point,
+        progress=progress,
+    )
+    handle = call.run(lib.find_holes, lib.holes_free, *mesh.arguments())
+    try:
+        return Holes(lib, handle)
+    finally:
+        lib.holes_free(handle)
+
+
+class Completer:
+    """A mesh whose holes are known, for filling them more than once with different options.
+
+    Arguments and errors are those of `complete_mesh`. The arrays are copied, and may be changed
+    afterwards. Several threads may use one completer at once.
+    """
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        grouping: str = "automatic",
+        join_vertices: Optional[Sequence[Sequence[int]]] = None,
+        progress: Optional[Progress] = None,
+    ) -> None:
+        self._lib = library()
+        self._mesh = Mesh(vertices, faces, copy=True)
+        call = Call(
+            self._lib,
+            self._mesh,
+            grouping=grouping,
+            join_vertices=join_vertices,
+            progress=progress,
+        )
+        self._handle = call.run(
+            self._lib.completer_new, self._lib.completer_free, *self._mesh.arguments()
+        )
+        # The library reads the arrays: they are kept until it has let go of them.
+        weakref.finalize(self, _free, self._lib, self._handle, self._mesh)
+        self.holes = Holes(self._lib, self._lib.completer_holes(self._handle))
+
+    def complete(
+        self,
+        *,
+        method: str = "coherent",
+        fairing: str = "auto",
+        sizing: str = "surroundings",
+        sizing_value: Optional[float] = None,
+        selection: str = "all",
+        selection_ids: Optional[ArrayLike] = None,
+        selection_max_edges: Optional[int] = None,
+        selection_length: Optional[float] = None,
+        selection_point: Optional[ArrayLike] = None,
+        skip_unsafe: bool = False,
+        threads: int = 0,
+        output: str = "whole_mesh",
+        progress: Optional[Progress] = None,
+    ) -> Result:
+        """Fills holes of the mesh; the same as `complete_mesh` with the same options."""
+        whole_mesh = _is_whole(output)
+        call = Call(
+            self._lib,
+            self._mesh,
+            method=method,
+            fairing=fairing,
+            sizing=sizing,
+            sizing_value=sizing_value,
+            selection=selection,
+            selection_ids=selection_ids,
+            selection_max_edges=selection_max_edges,
+            selection_length=selection_length,
+            selection_point=selection_point,
+            skip_unsafe=skip_unsafe,
+            threads=threads,
+            progress=progress,
+        )
+        handle = call.run(
+            self._lib.completer_complete, self._lib.result_free, self._handle
+        )
+        try:
+            return Result(self._lib, handle, self._mesh.vertices, self._mesh.faces, whole_mesh)
+        finally:
+            self._lib.result_free(handle)
+
+
+def _is_whole(output: str) -> bool:
+    if output not in _OUTPUTS:
+        raise ValueError(f"output is {output!r}, but must be one of {', '.join(_OUTPUTS)}")
+    return output == "whole_mesh"
+
+
+def _free(lib: Any, handle: Any, _mesh: Mesh) -> None:
+    lib.completer_free(handle)

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Keyword arguments into the C options, and the progress function."""
+
+from __future__ import annotations
+
+import ctypes as c
+import signal
+import threading
+from typing import Any, Callable, Optional, Sequence
+
+import numpy as np
+
+from . import _abi
+from ._arrays import Mesh
+from ._library import Library
+
+Progress = Callable[[float, str], Any]
+
+# Which of the selection_ arguments each selection reads.
+_READS = {
+    "ids": "selection_ids",
+    "near_vertices": "selection_ids",
+    "max_edges": "selection_max_edges",
+    "max_circumference": "selection_length",
+    "max_diameter": "selection_length",
+    "near_point": "selection_point",
+}
+
+
+class Call:
+    """One call's options. It holds whatever the C struct points to, so it must outlive the call."""
+
+    def __init__(
+        self,
+        lib: Library,
+        mesh: Mesh,
+        *,
+        method: str = "coherent",
+        fairing: str = "auto",
+        sizing: str = "surroundings",
+        sizing_value: Optional[float] = None,
+        grouping: str = "automatic",
+        join_vertices: Optional[Sequence[Sequence[int]]] = None,
+        selection: str = "all",
+        skip_unsafe: bool = False,
+        threads: int = 0,
+        progress: Optional[Progress] = None,
+        **selected: Any,
+    ) -> None:
+        self._lib = lib
+        self._kept: list[Any] = []
+        self._raised: Optional[BaseException] = None
+        self._interrupts = _Interrupts()
+        self.options = options = _abi.Options()
+        lib.check(lib.options_init(c.byref(options), c.sizeof(options)))
+        options.vertex_type = mesh.vertex_type
+        options.vertex_stride = mesh.vertex_stride
+        options.face_stride = mesh.face_stride
+        options.method = _number("method", method, _abi.METHODS)
+        options.fairing = _number("fairing", fairing, _abi.FAIRINGS)
+        options.skip_unsafe = bool(skip_unsafe)
+        options.threads = _unsigned("threads", threads)
+        # The whole mesh is put together here: that saves the library a copy of it.
+        options.output = _abi.OUTPUT_NEW_ONLY
+        self._set_sizing(sizing, sizing_value)
+        self._set_grouping(grouping, join_vertices)
+        self._set_selection(selection, selected)
+        self._set_progress(progress)
+
+    def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
+        """Calls; gives the new object, to be freed with `free`, or raises what went wrong."""
+        made = c.c_void_p()
+        with _Interrupts() as self._interrupts:
+            status = function(*arguments, c.byref(self.options), c.byref(made))
+        if self._interrupts.came and self._raised is None:  # after the last progress call
+            free(made)
+            raise KeyboardInterrupt
+        if self._raised is not None:
+            raise self._raised
+        self._lib.check(status)
+        return made
+
+    def _set_sizing(self, sizing: str, value: Optional[float]) -> None:
+        self.options.sizing = _number("sizing", sizing, _abi.SIZINGS)
+        _together("sizing", sizing, ("scaled", "edge_length"), "sizing_value", value)
+        if value is not None:
+            self.options.sizing_value = value
+
+    def _set_grouping(self, grouping: str, lists: Optional[Sequence[Sequence[int]]]) -> None:
+        self.options.grouping = _number("grouping", grouping, _abi.GROUPINGS)
+        _together("grouping", grouping, ("join",), "join_vertices", lists)
+        if lists is not None:
+            of_all = [i for own in lists for i in own]
+            self.options.join_vertices = self._indices("join_vertices", of_all)
+            self.options.join_sizes = self._indices("join_vertices", [len(own) for own in lists])
+            self.options.join_count = len(lists)
+
+    def _set_selection(self, selection: str, given: dict[str, Any]) -> None:
+        options = self.options
+        options.selection = _number("selection", selection, _abi.SELECTIONS)
+        for name, value in given.items():
+            readers = tuple(reader for reader, read in _READS.items() if read == name)
+            _together("selection", selection, readers, name, value)
+            if value is None:
+                continue
+            if name == "selection_ids":
+                options.selection_ids = self._indices(name, value)
+                options.selection_count = np.size(value)
+            elif name == "selection_max_edges":
+                options.selection_max_edges = _unsigned(name, value)
+            elif name == "selection_length":
+                options.selection_length = value
+            else:
+                options.selection_point = tuple(np.asarray(value, np.float64).reshape(3))
+
+    def _indices(self, name: str, numbers: Any) -> Optional[int]:
+        """The address of a copy as 32-bit numbers, which self keeps; None if there are none."""
+        array = np.asarray(numbers).reshape(-1)
+        if not array.size:
+            return None
+        if array.dtype.kind not in "iu":
+            raise TypeError(f"{name} are {array.dtype}, but must be integers")
+        if array.min() < 0 or array.max() > 0xFFFFFFFF:
+            raise ValueError(f"{name} has a number outside 0 to 2**32 - 1")
+        kept = np.array(array, np.uint32)
+        self._kept.append(kept)
+        return kept.ctypes.data
+
+    def _set_progress(self, progress: Optional[Progress]) -> None:
+        def report(_user: Any, fraction: float, stage: bytes) -> int:
+            if self._interrupts.came:
+                self._raised = KeyboardInterrupt()
+                return 1
+            try:
+                return int(progress is not None and bool(progress(fraction, stage.decode())))
+            except BaseException as error:  # cancels the call, which then raises it
+                self._raised = error
+                return 1
+
+        self.options.progress = _abi.PROGRESS(report)
+
+
+class _Interrupts:
+    """Notes Ctrl-C during a call instead of raising. Python would raise at the first line of the
+    progress function, where ctypes loses it. A handler that is not Python's own is left alone."""
+
+    def __init__(self) -> None:
+        self.came = False
+        self._replaced = False
+
+    def __enter__(self) -> _Interrupts:
+        if (
+            threading.current_thread() is threading.main_thread()
+            and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        ):
+            signal.signal(signal.SIGINT, self._note)
+            self._replaced = True
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._replaced:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def _note(self, *_: object) -> None:
+        self.came = True
+
+
+def _number(name: str, value: str, names: tuple[str, ...]) -> int:
+    if value not in names:
+        raise ValueError(f"{name} is {value!r}, but must be one of {', '.join(names)}")
+    return names.index(value)
+
+
+def _unsigned(name: str, value: int) -> int:
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
+        raise TypeError(f"{name} is {value!r}, but must be a whole number")
+    if not 0 <= value < 2**32:
+        raise ValueError(f"{name} is {value}, but must be 0 to 2**32 - 1")
+    return int(value)
+
+
+def _together(name: str, value: str, readers: tuple[str, ...], other: str, given: Any) -> None:
+    """An argument that would not be read is a mistake, and so is one that is missing."""
+    if value in readers and given is None:
+        raise ValueError(f"{name}={value!r} needs {other}")
+    if value not in readers and given is not None:
+        raise ValueError(f"{other} is read only with {name}={' or '.join(map(repr, readers))}")

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's meshes to arrays and back. What was there stays as it is: the fill is added."""
+
+from dataclasses import dataclass
+
+import bmesh
+import numpy as np
+
+from . import looks
+
+
+@dataclass
+class Arrays:
+    """A mesh as the library takes it: quads and n-gons as the triangles that they are drawn with."""
+
+    vertices: np.ndarray
+    """(n, 3) float32, local coordinates."""
+    triangles: np.ndarray
+    """(m, 3) int32."""
+    polygons: np.ndarray
+    """(m,) int32: the polygon of each triangle."""
+    selected: np.ndarray
+    """(n,) bool: vertices that the user has selected; none in Object Mode."""
+
+
+def read(ob):
+    if ob.mode == "EDIT":
+        ob.update_from_editmode()  # Edit Mode has a mesh of its own
+    mesh = ob.data
+    vertices = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    mesh.calc_loop_triangles()
+    triangles = np.empty(len(mesh.loop_triangles) * 3, np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    polygons = np.empty(len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("polygon_index", polygons)
+    selected = np.zeros(len(mesh.vertices), bool)
+    if ob.mode == "EDIT":
+        mesh.vertices.foreach_get("select", selected)
+    return Arrays(vertices.reshape(-1, 3), triangles.reshape(-1, 3), polygons, selected)
+
+
+def add_fill(ob, result, polygons, write_attributes):
+    """Adds the fill and selects it; gives the names of attributes that could not be written."""
+    mesh, edit = ob.data, ob.mode == "EDIT"
+    spread = looks.Spread(result.new_faces, result.input_vertex_count, len(result.new_vertices))
+    bm = bmesh.from_edit_mesh(mesh) if edit else bmesh.new()
+    if not edit:
+        bm.from_mesh(mesh)
+        bm.select_mode = {"FACE"}  # with vertices, old faces between rim vertices would join in
+    try:
+        bm.verts.ensure_lookup_table()
+        _deselect(bm)
+        missed = looks.make_layers(bm, mesh) if write_attributes else []
+        vertices, faces = _add_elements(bm, result)
+        bm.faces.ensure_lookup_table()
+        looks.match_rims(bm, result, vertices, faces)
+        looks.spread_layers(bm, spread, vertices, faces)
+        keys = looks.spread_keys(bm, spread, vertices) if mesh.shape_keys else {}
+        if write_attributes:
+            looks.write_attributes(bm, result, polygons, vertices, faces, missed)
+        for face in faces:
+            face.select_set(True)
+        bm.select_flush_mode()
+        bm.normal_update()
+        if edit:
+            bmesh.update_edit_mesh(mesh, loop_triangles=True, destructive=True)
+        else:
+            bm.to_mesh(mesh)
+    finally:
+        if not edit:
+            bm.free()
+    if not edit:
+        _write_keys(mesh, keys, result.input_vertex_count)
+        mesh.update()
+    return missed
+
+
+def select(ob, vertices, edges, polygons):
+    """Selects elements and nothing else, so that the user sees them."""
+    mesh, edit = ob.data, ob.mode == "EDIT"
+    bm = bmesh.from_edit_mesh(mesh) if edit else bmesh.new()
+    if not edit:
+        bm.from_mesh(mesh)
+    for elements in (bm.verts, bm.edges, bm.faces):
+        elements.ensure_lookup_table()
+    _deselect(bm)
+    if len(vertices) or len(edges):
+        bm.select_mode = {"VERT"}  # with faces alone, vertices could not be seen
+    for i in vertices:
+        bm.verts[i].select_set(True)
+    for a, b in edges:
+        edge = bm.edges.get((bm.verts[a], bm.verts[b]))
+        for part in (edge,) if edge else (bm.verts[a], bm.verts[b]):
+            part.select_set(True)
+    for i in polygons:
+        bm.faces[i].select_set(True)
+    bm.select_flush_mode()
+    if edit:
+        bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
+    else:
+        bm.to_mesh(mesh)
+        bm.free()
+        mesh.update()
+
+
+def _deselect(bm):
+    for elements in (bm.faces, bm.edges, bm.verts):
+        for element in elements:
+            if element.select:
+                element.select_set(False)
+
+
+def _add_elements(bm, result):
+    old = bm.verts[:]
+    vertices = [bm.verts.new(co) for co in result.new_vertices.tolist()]
+    all_vertices = old + vertices
+    faces = [
+        bm.faces.new((all_vertices[a], all_vertices[b], all_vertices[c]))
+        for a, b, c in result.new_faces.tolist()
+    ]
+    bm.verts.index_update()
+    bm.faces.index_update()
+    bm.verts.ensure_lookup_table()
+    return vertices, faces
+
+
+def _write_keys(mesh, keys, first):
+    """Outside Edit Mode a BMesh does not carry shape keys back: new vertices get the shape they
+    have in the mesh."""
+    for name, positions in keys.items():
+        block = mesh.shape_keys.key_blocks[name]
+        values = np.empty(len(block.data) * 3, np.float32)
+        block.data.foreach_get("co", values)
+        values[first * 3 :] = positions.ravel()
+        block.data.foreach_set("co", values)

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One fill, from arrays to a result, without Blender: this runs on a thread of its own. What was
+learnt from the last meshes is kept, so that the redo panel need not wait for it again."""
+
+import hashlib
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+
+from .complete_mesh import CompleteMeshError, Completer
+
+# Two: the mesh before a fill and, for a second fill, the mesh after it.
+KEPT_MESHES = 2
+
+_lock = threading.Lock()
+_kept = {}  # (hash of the mesh, grouping): Kept; the last used is the last
+
+
+@dataclass
+class Options:
+    """What the library is asked for; all of it comes from the operator's properties."""
+
+    method: str = "coherent"
+    density: float = 1.0
+    max_edges: int = 0
+    keep_largest_open: bool = False
+    join_loops: bool = True
+    skip_unsafe: bool = False
+
+    @property
+    def grouping(self):
+        return "automatic" if self.join_loops else "separate"
+
+    def arguments(self):
+        """The library's own names for what the result depends on, beside the choice of holes."""
+        arguments = {"method": self.method, "skip_unsafe": self.skip_unsafe}
+        if self.density != 1.0:
+            # A density of 2 is twice as many vertices along an edge.
+            arguments |= {"sizing": "scaled", "sizing_value": 1.0 / self.density}
+        return arguments
+
+
+class NothingToFill(Exception):
+    """There is no hole that was asked for; the text says why."""
+
+
+class Kept:
+    """A completer and its last result."""
+
+    def __init__(self, completer):
+        self.completer = completer
+        self.asked, self.result = None, None
+
+    def fill(self, progress, **arguments):
+        asked = repr(sorted(arguments.items()))
+        if asked != self.asked:
+            result = self.completer.complete(output="new_only", progress=progress, **arguments)
+            self.asked, self.result = asked, result
+        return self.result
+
+
+def fill(vertices, triangles, selected, options, progress=None):
+    """The fill of the holes that are chosen. `selected`: (n,) bool, which vertices are; if any is,
+    only holes that one of them lies on. An error that names holes has their edges as `rims`."""
+    progress = progress or (lambda _fraction, _stage: False)
+    kept = _completer(vertices, triangles, options.grouping, progress)
+    ids = choose(kept.completer.holes, selected, options)
+    try:
+        return kept.fill(
+            # Finding the holes is quick: a twentieth of the bar.
+            lambda fraction, stage: progress(0.05 + 0.95 * fraction, stage),
+            selection="ids",
+            selection_ids=ids,
+            **options.arguments(),
+        )
+    except CompleteMeshError as error:
+        if len(error.holes):
+            error.rims = rims(kept.completer.holes, error.holes)
+        raise
+
+
+def choose(holes, selected, options):
+    """The ids of the holes to fill."""
+    if not len(holes):
+        raise NothingToFill("The mesh has no holes")
+    chosen = list(holes)
+    if selected.any():
+        chosen = [hole for hole in chosen if any(selected[loop].any() for loop in hole.loops)]
+        if not chosen:
+            raise NothingToFill(
+                "No hole touches the selection: select a vertex of a rim, or nothing to fill all holes"
+            )
+    if options.keep_largest_open:
+        largest = max(holes, key=lambda hole: hole.circumference)
+        chosen = [hole for hole in chosen if hole is not largest]
+        if not chosen:
+            raise NothingToFill("There is no hole but the largest, and that is to be kept open")
+    if options.max_edges:
+        chosen = [hole for hole in chosen if hole.edge_count <= options.max_edges]
+        if not chosen:
+            raise NothingToFill(f"Every hole has more than {options.max_edges} edges")
+    return [hole.id for hole in chosen]
+
+
+def rims(holes, ids):
+    """(k, 2): the boundary edges of some holes."""
+    loops = [loop for i in ids for loop in holes[int(i)].loops]
+    pairs = [np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops]
+    return np.concatenate([np.empty((0, 2), np.int64), *pairs])
+
+
+def content_hash(*arrays):
+    digest = hashlib.blake2b(digest_size=16)
+    for array in arrays:
+        digest.update(np.ascontiguousarray(array))
+        digest.update(str(array.shape).encode())
+    return digest.digest()
+
+
+def forget():
+    """Frees what is kept."""
+    with _lock:
+        _kept.clear()
+
+
+def _completer(vertices, triangles, grouping, progress):
+    key = content_hash(vertices, triangles), grouping
+    with _lock:
+        kept = _kept.pop(key, None)
+    if kept is None:
+        completer = Completer(
+            vertices,
+            triangles,
+            grouping=grouping,
+            progress=lambda fraction, stage: progress(0.05 * fraction, stage),
+        )
+        kept = Kept(completer)
+    with _lock:
+        _kept[key] = kept
+        while len(_kept) > KEPT_MESHES:
+            _kept.pop(next(iter(_kept)))
+    return kept
+
+
+class Job:
+    """A fill on a thread of its own. The thread touches arrays only."""
+
+    def __init__(self, *arguments):
+        self.fraction, self.stage = 0.0, ""
+        self.cancelled = False
+        self.result, self.error = None, None
+        self._thread = threading.Thread(target=self._work, args=arguments, daemon=True)
+        self._thread.start()
+
+    def _work(self, *arguments):
+        try:
+            self.result = fill(*arguments, progress=self._progress)
+        except Exception as error:  # the operator shows it
+            self.error = error
+
+    def _progress(self, fraction, stage):
+        self.fraction, self.stage = fraction, stage
+        return self.cancelled
+
+    @property
+    def is_running(self):
+        return self._thread.is_alive()
+
+    def stop(self):
+        self.cancelled = True
+        self._thread.join()
