@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the C library and installs headers (C, C++), static and shared library without
+# Builds the C library and installs headers (C, C++, OpenMesh), static and shared library without
 # debugging information, pkg-config file and CMake package below a prefix. Linux and the BSDs; needs
 # Rust with its linker's tools.
 #
@@ -46,7 +46,8 @@ name=libcomplete_mesh
 file=$name.so.$abi.$version
 
 install -d "$to/include" "$lib/pkgconfig" "$lib/cmake/complete_mesh"
-install -m 644 "$header" "$root"/bindings/cpp/*.hpp "$to/include"
+install -m 644 "$header" "$root"/bindings/cpp/*.hpp "$root"/bindings/openmesh/*.hpp \
+  "$to/include"
 # A release build keeps line numbers for profiles; they are nine tenths of it.
 strip=${STRIP:-strip}
 "$strip" --strip-debug -o "$lib/$name.a" "$from/$name.a"

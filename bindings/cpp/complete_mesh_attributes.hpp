@@ -36,6 +36,16 @@ class Carrier {
   // Input vertices that the fill touches, sorted.
   const std::vector<std::uint32_t>& rim() const { return rim_; }
 
+  // For each new vertex the vertex of the rim that is the fewest edges away, for labels: between 3
+  // and 7 there is no 5.
+  std::vector<std::uint32_t> nearest() const {
+    std::vector<std::uint32_t> found(new_count_, none);
+    found.insert(found.end(), rim_.begin(), rim_.end());
+    for (const Step& step : inward_) found[step.node] = found[step.from];
+    found.resize(new_count_);
+    return found;
+  }
+
   // One row of N numbers for each new vertex; get(v) is the row, a std::array<double, N>, of input
   // vertex v.
   template <std::size_t N, class Get>

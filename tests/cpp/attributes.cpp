@@ -1,4 +1,5 @@
 // Colours carried into the fill, from the rim and from the source, by value.
+#include <algorithm>
 #include <complete_mesh_attributes.hpp>
 #include <cmath>
 #include <map>
@@ -42,6 +43,37 @@ void from_rim(const Filled& filled) {
   }
   CHECK(worst < 1e-4);
   CHECK(low > 0 && high < 6 && low < high);
+}
+
+// Breadth first from each vertex of the rim alone: none is nearer than the one that was named.
+void nearest(const Filled& filled) {
+  const mc::Carrier carrier(filled.result);
+  const auto named = carrier.nearest();
+  const std::size_t count = filled.result.vertices().size();
+  std::vector<std::vector<std::uint32_t>> around(count);
+  for (const auto& face : filled.result.new_faces())
+    for (const std::uint32_t v : face)
+      for (const std::uint32_t other : face)
+        if (other != v) around[v].push_back(other);
+  std::vector<std::size_t> least(count, count), of_named(count, count);
+  for (const std::uint32_t start : carrier.rim()) {
+    std::vector<std::size_t> distance(count, count);
+    std::vector<std::uint32_t> queue = {start};
+    distance[start] = 0;
+    for (std::size_t at = 0; at < queue.size(); ++at)
+      for (const std::uint32_t next : around[queue[at]])
+        if (distance[next] == count) {
+          distance[next] = distance[queue[at]] + 1;
+          queue.push_back(next);
+        }
+    for (std::size_t v = VERTICES; v < count; ++v) {
+      least[v] = std::min(least[v], distance[v]);
+      if (named[v - VERTICES] == start) of_named[v] = distance[v];
+    }
+  }
+  std::size_t wrong = 0;
+  for (std::size_t v = VERTICES; v < count; ++v) wrong += least[v] != of_named[v] || least[v] == count;
+  CHECK(named.size() == count - VERTICES && wrong == 0);
 }
 
 void from_source(const Filled& filled) {
@@ -93,6 +125,7 @@ void templates(const Filled& filled) {
 void test_attributes() {
   const Filled filled;
   from_rim(filled);
+  nearest(filled);
   from_source(filled);
   templates(filled);
 }
