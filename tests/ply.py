@@ -1,9 +1,14 @@
 """Reads, colours and compares PLY files for the tests of the hosts; needs nothing but Python 3.
 
-    ply.py colour IN OUT          gives each vertex a colour that depends on where it is
+    ply.py colour IN OUT          gives each vertex a colour, a quality and a normal that depend on where
+                                  it is; the normal is not the surface's
     ply.py compare A B [OLD]      positions to the bit, faces up to which corner is first, and, where
                                   both files have colours, those within 1; with OLD, also that A has
                                   the vertices and faces of OLD first, in order
+    ply.py carried A OLD          qualities and normals of OLD are A's, to the bit; new qualities are
+                                  between those of OLD, new normals have length 1
+    ply.py colouring KIND A P OLD colours of A's new vertices are those of its kind (source, provenance,
+                                  confidence) by the provenance in P, a file of the command line
 """
 
 import struct
@@ -81,12 +86,16 @@ def colour(path, out):
     with open(out, "wb") as f:
         f.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(mesh.points))
         f.write(b"".join(b"property float %c\n" % c for c in b"xyz"))
+        f.write(b"".join(b"property float n%c\n" % c for c in b"xyz"))
         f.write(b"".join(b"property uchar %s\n" % c for c in (b"red", b"green", b"blue", b"alpha")))
+        f.write(b"property float quality\n")
         f.write(b"element face %d\nproperty list uchar int vertex_indices\nend_header\n"
                 % len(mesh.faces))
         for p in mesh.points:
             rgb = (int(20 + 200 * (x - a) / (b - a)) for x, a, b in zip(p, low, high))
-            f.write(struct.pack("<3f4B", *p, *rgb, 255))
+            axis = [0.0, 0.0, 0.0]
+            axis[int(1000 * abs(p[0])) % 3] = 1.0
+            f.write(struct.pack("<6f4Bf", *p, *axis, *rgb, 255, p[2]))
         for face in mesh.faces:
             f.write(struct.pack("<B3i", 3, *face))
 
@@ -116,5 +125,68 @@ def compare(path_a, path_b, old_path=None):
     print(f"{len(a.points)} vertices, {len(a.faces)} faces agree")
 
 
+def carried(path, old_path):
+    a, old = Mesh(path), Mesh(old_path)
+    n = len(old.points)
+    quality, old_quality = a.columns["quality"], old.columns["quality"]
+    assert quality[:n] == old_quality
+    assert len(quality) > n, "nothing is new"
+    assert all(min(old_quality) <= q <= max(old_quality) for q in quality[n:])
+    assert len(set(quality[n:])) > 1
+    normals = list(zip(*(a.columns[k] for k in ("nx", "ny", "nz"))))
+    assert normals[:n] == list(zip(*(old.columns[k] for k in ("nx", "ny", "nz"))))
+    assert all(abs(sum(x * x for x in normal) - 1) < 1e-4 for normal in normals[n:])
+    # A new vertex is on the same side as its faces.
+    def sub(p, q):
+        return [x - y for x, y in zip(p, q)]
+    for face in a.faces[len(old.faces):]:
+        p = [a.points[v] for v in face]
+        u, w = sub(p[1], p[0]), sub(p[2], p[0])
+        face_normal = [u[(k + 1) % 3] * w[(k + 2) % 3] - u[(k + 2) % 3] * w[(k + 1) % 3]
+                       for k in range(3)]
+        for v in face:
+            assert v < n or sum(x * y for x, y in zip(normals[v], face_normal)) > 0, v
+
+
+PALETTE = [(0, 158, 115), (204, 60, 140), (240, 228, 66), (120, 60, 160), (86, 180, 233),
+           (200, 60, 0), (0, 114, 178)]
+
+
+def ramp(t):
+    return (220 if t < 0.5 else 440 * (1 - t), 400 * t if t < 0.5 else 200, 40)
+
+
+def colouring(kind, path, provenance_path, old_path):
+    a, p, old = Mesh(path), Mesh(provenance_path), Mesh(old_path)
+    checked, n = 0, len(old.points)
+    places = set()
+    for i in range(n, len(a.points)):
+        face, source = p.columns["source_face"][i], p.columns["source"][i]
+        if kind == "confidence":
+            expected = ramp(p.columns["confidence"][i])
+        elif source < 0:
+            expected = (150, 150, 150) if kind == "provenance" else None
+        elif kind == "provenance":
+            expected = PALETTE[source % len(PALETTE)]  # one hole
+            if face >= 0:
+                places.update(old.faces[face])
+        else:
+            u, v = p.columns["source_u"][i], p.columns["source_v"][i]
+            corners = [old.colours[v] for v in old.faces[face]]
+            expected = [(1 - u - v) * x + u * y + v * z for x, y, z in zip(*corners)]
+        if expected is not None:
+            checked += 1
+            assert max(abs(x - y) for x, y in zip(a.colours[i], expected)) <= 1.01, \
+                f"vertex {i} has {a.colours[i]} and should have {expected}"
+    assert checked > 10
+    assert kind != "provenance" or places
+    for i in range(n):
+        if i in places:
+            assert a.colours[i] in PALETTE, i
+        elif old.colours:
+            assert a.colours[i] == old.colours[i], i
+
+
 if __name__ == "__main__":
-    {"colour": colour, "compare": compare}[sys.argv[1]](*sys.argv[2:])
+    commands = {"colour": colour, "compare": compare, "carried": carried, "colouring": colouring}
+    commands[sys.argv[1]](*sys.argv[2:])
