@@ -7,6 +7,7 @@
                                   the vertices and faces of OLD first, in order
     ply.py carried A OLD          qualities and normals of OLD are A's, to the bit; new qualities are
                                   between those of OLD, new normals have length 1
+    ply.py normals A B            normals agree in their directions, within 0.001
     ply.py colouring KIND A P OLD colours of A's new vertices are those of its kind (source, provenance,
                                   confidence) by the provenance in P, a file of the command line
 """
@@ -148,6 +149,18 @@ def carried(path, old_path):
             assert v < n or sum(x * y for x, y in zip(normals[v], face_normal)) > 0, v
 
 
+def normals(path_a, path_b):
+    def directions(mesh):
+        rows = zip(*(mesh.columns[k] for k in ("nx", "ny", "nz")))
+        return [[x / sum(y * y for y in n) ** 0.5 for x in n] for n in rows]
+
+    a, b = directions(Mesh(path_a)), directions(Mesh(path_b))
+    assert len(a) == len(b)
+    wrong = [i for i, (m, n) in enumerate(zip(a, b)) if max(abs(x - y) for x, y in zip(m, n)) > 1e-3]
+    assert not wrong, f"{len(wrong)} normals differ, the first is vertex {wrong[0]}: " \
+        f"{a[wrong[0]]} and {b[wrong[0]]}"
+
+
 PALETTE = [(0, 158, 115), (204, 60, 140), (240, 228, 66), (120, 60, 160), (86, 180, 233),
            (200, 60, 0), (0, 114, 178)]
 
@@ -188,5 +201,6 @@ def colouring(kind, path, provenance_path, old_path):
 
 
 if __name__ == "__main__":
-    commands = {"colour": colour, "compare": compare, "carried": carried, "colouring": colouring}
+    commands = {"colour": colour, "compare": compare, "carried": carried,
+                "normals": normals, "colouring": colouring}
     commands[sys.argv[1]](*sys.argv[2:])

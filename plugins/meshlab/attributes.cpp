@@ -56,11 +56,11 @@ Attributes::Attributes(const MeshModel& model, const mc::Result<Scalarm>& result
     : result_(result), faces_(faces), carrier_(result) {
   const CMeshO& mesh = model.cm;
   const auto computed = angle_weighted(mesh, marks(mesh.vert.size(), carrier_.rim()));
-  // A normal from a file is kept; one that MeshLab has computed must know of the fill, or the
-  // seam would show in the shading. 8 degrees are between the two.
+  // A normal from a file is kept; one that MeshLab has computed must know of the fill, or the seam
+  // would show in the shading. Within 0.8 degrees of the computed one it is taken for one.
   for (const std::uint32_t v : carrier_.rim()) {
     Point3m normal = mesh.vert[v].cN();
-    if (normal.Norm() > 0 && normal.Normalize() * computed[v] > 0.99) follow_.push_back(v);
+    if (normal.Norm() > 0 && normal.Normalize() * computed[v] > 0.9999) follow_.push_back(v);
   }
 }
 

@@ -92,6 +92,9 @@ void select_elements(CMeshO& mesh, const mc::Failure& failure) {
 Outcome failed(CMeshO& mesh, const mc::Failure& failure) {
   Outcome outcome;
   outcome.error = failure.message;
+  // The one number of the dialog that has a range.
+  if (failure.status == mc::Status::invalid_option)
+    outcome.error = "\"Size of the new triangles\": " + failure.message;
   if (failure.status == mc::Status::unsafe_hole || failure.status == mc::Status::invalid_mesh) {
     select_elements(mesh, failure);
     if (!failure.vertices.empty() || !failure.edges.empty() || !failure.faces.empty())
