@@ -62,6 +62,12 @@ headers() {
 }
 
 if [ -z "$pymeshlab" ]; then
+  # Neither this MeshLab nor the compiler would notice headers of another version.
+  found=$(dpkg-query -W -f '${Version}' meshlab)
+  case $found in
+    2020.09*) ;;
+    *) echo "the MeshLab that is installed is $found; this builds for 2020.09" >&2; exit 1 ;;
+  esac
   headers '' 2020.09+dfsg1-2
   common=$(ls /usr/lib/*/meshlab/libmeshlab-common.so)
   flags=(-DML_API=202009 -DML_VERSION=2020.09 -DML_SCALAR=float "-DVCGLIB=$to/source/vcglib")

@@ -16,17 +16,16 @@ FilterFillCoherently::FilterFillCoherently() {
 }
 
 QString FilterFillCoherently::filterInfo(ML_ID) const {
-  return "Fill holes so that the fill continues what the rest of the object shows: places that look "
-         "like the surroundings of a hole are found, moved, turned or mirrored to it, and fitted to "
-         "its rim. Where nothing on the object serves, the fill is a smooth surface. The mesh itself "
-         "stays as it is; only new vertices and faces are added. It cannot be cancelled, since "
-         "MeshLab has no button for that.<br>"
-         "<br>See:<br>"
-         "<i>Gur Harary, Ayellet Tal, Eitan Grinspun</i><br>"
+  // The dialog shows about 15 lines.
+  return "Fill holes so that the fill continues what the rest of the object shows; where nothing on "
+         "it serves, the fill is a smooth surface. The mesh itself stays as it is: only new vertices "
+         "and faces are added. Cannot be cancelled: MeshLab has no button for that.<br>"
+         "See:<br>"
+         "<i>G. Harary, A. Tal, E. Grinspun</i><br>"
          "<b>\"Context-based Coherent Surface Completion\"</b><br>"
          "ACM Transactions on Graphics 33(1), 2014<br>"
-         "<br>and for the smooth surface:<br>"
-         "<i>Peter Liepa</i><br>"
+         "and for the smooth surface:<br>"
+         "<i>P. Liepa</i><br>"
          "<b>\"Filling Holes in Meshes\"</b><br>"
          "Symposium on Geometry Processing, 2003";
 }
