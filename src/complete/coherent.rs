@@ -19,7 +19,7 @@ use crate::matching::search::{
 };
 use crate::matching::source::Source;
 use crate::mesh::MeshView;
-use crate::options::Sources;
+use crate::options::{Sizing, Sources};
 use crate::progress::Pace;
 use crate::result::{Origin, SourceReport};
 use crate::synthesis::domain::{Domain, Extent};
@@ -32,6 +32,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Fewer new vertices than this have no room for detail.
 const LEAST: usize = 6;
+/// Triangles of the fill are this much smaller than those around it, at most.
+const FINER: f64 = 0.5;
 /// Rounds of refinement between the two looks.
 const AGAIN: usize = 2;
 
@@ -116,12 +118,16 @@ pub fn complete_hole(
     let Some((mut patch, story)) = finish(&fill.patch, library.source(), &domain, &views) else {
         return Ok(None);
     };
+    let source = library.source();
     if views[0].doubt > 0.0 {
         return Ok(Some((patch, story)));
     }
     // Again on the surface found: triangles where it is steep, lines that meet it at right angles.
     let stop = || check(0.8);
     let first = (patch.clone(), story);
+    if around.sizing == Sizing::Surroundings {
+        take_density(&mut patch, &views[0], source);
+    }
     if !refine(&mut patch, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
         return Ok(Some(first));
     }
@@ -129,10 +135,21 @@ pub fn complete_hole(
     let Some(window) = one_window(&domain) else { return Ok(Some(first)) };
     let transforms: Vec<_> = views[0].copies.iter().map(|c| c.transform).collect();
     let roughness = scope.roughness(&window.domain);
-    let source = library.source();
     let views = look(&window, source, &transforms, roughness, threads, &|| check(0.85))?;
     let views: Vec<View<'_>> = views.into_iter().collect();
     Ok(finish(&patch, source, &domain, &views).or(Some(first)))
+}
+
+/// Where the copies' triangles are smaller than those around the hole, the fill's shall be, too.
+fn take_density(patch: &mut Patch, view: &View<'_>, source: &Source) {
+    let first = patch.rim_count;
+    for (i, &copy) in view.labels.iter().enumerate() {
+        if let Some(place) = view.copies[copy].places[view.window.domain.fill.start + i] {
+            let wanted = &mut patch.sizes[first + i];
+            let length = source.length_at(place.face, place.barycentric);
+            *wanted = length.clamp(FINER * *wanted, *wanted);
+        }
+    }
 }
 
 /// What all windows of a hole share.

@@ -485,7 +485,7 @@ mod tests {
             let pattern = RingPattern::new(&known, &hole, radius, radius);
             assert!(pattern.is_useful());
             let mut found = Vec::new();
-            places.iter().for_each(|m| pattern.compare(m, &mut found));
+            places.iter().for_each(|m| pattern.compare(m, true, &mut found));
             let best = keep_different(found, centre, 0.4, 0.6, 20);
             assert!(best.is_sorted_by(|a, b| a.cost <= b.cost));
             let found = best[0].transform;
@@ -515,7 +515,7 @@ mod tests {
         let map = |cloud: &Cloud| map_at(cloud, DVec3::ZERO, DVec3::Z, 1.0);
         let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, 1.0);
         let mut found = Vec::new();
-        pattern.compare(&map(&level(0.3, 0.1)), &mut found);
+        pattern.compare(&map(&level(0.3, 0.1)), true, &mut found);
         assert!(!found.is_empty());
         for c in &found {
             assert!(c.cost < 0.01, "{}", c.cost);
@@ -525,7 +525,7 @@ mod tests {
         }
         // Steeper than what counts as the same place.
         let mut steep = Vec::new();
-        pattern.compare(&map(&level(0.9, 0.0)), &mut steep);
+        pattern.compare(&map(&level(0.9, 0.0)), true, &mut steep);
         assert!(steep.is_empty());
     }
 

@@ -41,14 +41,14 @@ impl Effort {
         let n = target.fill.len();
         match targets {
             1 => Self {
-                maps: (10 * n).max(600),
+                maps: (10 * n).max(400),
                 widths: &WIDTHS,
-                kept: (n / 10).clamp(10, 24),
-                fine: (n / 10).clamp(8, 20),
+                kept: (n / 10).clamp(8, 24),
+                fine: (n / 12).clamp(6, 20),
                 widened: (n / 30).clamp(2, 6),
             },
             // The windows along a long hole are many.
-            _ => Self { maps: 1000, widths: &WIDTHS[..1], kept: 12, fine: 8, widened: 0 },
+            _ => Self { maps: 500, widths: &WIDTHS[..1], kept: 10, fine: 6, widened: 0 },
         }
     }
 }

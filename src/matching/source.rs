@@ -30,6 +30,8 @@ pub struct Source {
     /// Mean square of the turn of the normal along the edges at each vertex, in radians² an edge
     /// of mean length: what there is of relief.
     pub roughness: Vec<f64>,
+    /// Mean length of the edges at each vertex, in mesh units.
+    pub lengths: Vec<f64>,
 }
 
 /// A k-d tree over points that may be few or none.
@@ -125,6 +127,12 @@ impl Source {
         sum.normalize_or_zero()
     }
 
+    /// The mean length of the edges around a point of a face, in mesh units.
+    pub fn length_at(&self, face: u32, barycentric: [f64; 3]) -> f64 {
+        let corners = self.faces[face as usize];
+        (0..3).map(|k| barycentric[k] * self.lengths[corners[k] as usize]).sum()
+    }
+
     /// Whether a face has a vertex on a boundary loop.
     pub fn touches_boundary(&self, face: u32) -> bool {
         self.faces[face as usize].iter().any(|&v| self.on_boundary[v as usize])
@@ -191,8 +199,10 @@ impl Parts {
         }
         let ids = (0..positions.len() as u32).filter(|&v| used[v as usize]).collect();
         let edge = length / (3 * faces.len().max(1)) as f64;
+        let (roughness, lengths) = edge_means(&positions, &normals, &faces, edge);
         Source {
-            roughness: roughness(&positions, &normals, &faces, edge),
+            roughness,
+            lengths,
             tree: Bvh::new(&positions, &faces),
             points: PointTree::new(&positions, ids),
             area,
@@ -216,20 +226,31 @@ fn boundary_of(faces: &[[u32; 3]]) -> Vec<u32> {
     single.flat_map(|same| [same[0].0, same[0].1]).collect()
 }
 
-fn roughness(positions: &[DVec3], normals: &[DVec3], faces: &[[u32; 3]], edge: f64) -> Vec<f64> {
-    let mut sum = vec![(0.0, 0.0); positions.len()];
+/// Of each vertex the mean over its edges of the roughness and of the length.
+fn edge_means(
+    positions: &[DVec3],
+    normals: &[DVec3],
+    faces: &[[u32; 3]],
+    edge: f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let n = positions.len();
+    let (mut turns, mut lengths, mut counts) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     for face in faces {
         for k in 0..3 {
             let (a, b) = (face[k] as usize, face[(k + 1) % 3] as usize);
             let length2 = positions[a].distance_squared(positions[b]).max(f64::MIN_POSITIVE);
             let turn = normals[a].distance_squared(normals[b]) * edge * edge / length2;
             for v in [a, b] {
-                sum[v].0 += turn;
-                sum[v].1 += 1.0;
+                turns[v] += turn;
+                lengths[v] += length2.sqrt();
+                counts[v] += 1.0;
             }
         }
     }
-    sum.into_iter().map(|(turn, count)| turn / f64::max(count, 1.0)).collect()
+    for sums in [&mut turns, &mut lengths] {
+        sums.iter_mut().zip(&counts).for_each(|(s, &c)| *s /= f64::max(c, 1.0));
+    }
+    (turns, lengths)
 }
 
 #[cfg(test)]
