@@ -121,7 +121,7 @@ def test_esc_cancels():
             edit()
         for wait in (0.0, 0.3, 0.6):
             driven = Driven()
-            while driven._job.fraction < wait:
+            while driven._job.fraction < wait and driven._job.is_running:
                 time.sleep(0.001)
             driven.send("ESC", "PRESS")
             driven.until_done()

@@ -56,7 +56,7 @@ def add_fill(ob, result, polygons, write_attributes):
         bm.faces.ensure_lookup_table()
         looks.match_rims(bm, result, vertices, faces)
         looks.spread_layers(bm, spread, vertices, faces)
-        keys = looks.spread_keys(bm, spread, vertices) if mesh.shape_keys else {}
+        looks.spread_keys(bm, spread, vertices)
         if write_attributes:
             looks.write_attributes(bm, result, polygons, vertices, faces, missed)
         for face in faces:
@@ -71,7 +71,6 @@ def add_fill(ob, result, polygons, write_attributes):
         if not edit:
             bm.free()
     if not edit:
-        _write_keys(mesh, keys, result.input_vertex_count)
         mesh.update()
     return missed
 
@@ -123,14 +122,3 @@ def _add_elements(bm, result):
     bm.faces.index_update()
     bm.verts.ensure_lookup_table()
     return vertices, faces
-
-
-def _write_keys(mesh, keys, first):
-    """Outside Edit Mode a BMesh does not carry shape keys back: new vertices get the shape they
-    have in the mesh."""
-    for name, positions in keys.items():
-        block = mesh.shape_keys.key_blocks[name]
-        values = np.empty(len(block.data) * 3, np.float32)
-        block.data.foreach_get("co", values)
-        values[first * 3 :] = positions.ravel()
-        block.data.foreach_set("co", values)
