@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Builds the C library and installs header, static and shared library, pkg-config file and CMake
-# package below a prefix. Linux and the BSDs; needs Rust, and nothing else.
+# Builds the C library and installs headers (C, C++, OpenMesh), static and shared library without
+# debugging information, pkg-config file and CMake package below a prefix. Linux and the BSDs; needs
+# Rust with its linker's tools.
 #
 #   bindings/install.sh PREFIX [--libdir DIR] [--from DIR]
 #
@@ -9,7 +10,7 @@
 #   DESTDIR        environment: put in front of PREFIX, for packagers
 set -euo pipefail
 
-usage() { sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 2; }
+usage() { sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 2; }
 
 prefix='' libdir=lib from=''
 while [ $# -gt 0 ]; do
@@ -45,9 +46,14 @@ name=libcomplete_mesh
 file=$name.so.$abi.$version
 
 install -d "$to/include" "$lib/pkgconfig" "$lib/cmake/complete_mesh"
-install -m 644 "$header" "$to/include/complete_mesh.h"
-install -m 644 "$from/$name.a" "$lib/$name.a"
-install -m 755 "$from/$name.so" "$lib/$file"
+install -m 644 "$header" "$root"/bindings/cpp/*.hpp "$root"/bindings/openmesh/*.hpp \
+  "$to/include"
+# A release build keeps line numbers for profiles; they are nine tenths of it.
+strip=${STRIP:-strip}
+"$strip" --strip-debug -o "$lib/$name.a" "$from/$name.a"
+"$strip" --strip-unneeded -o "$lib/$file" "$from/$name.so"
+chmod 644 "$lib/$name.a"
+chmod 755 "$lib/$file"
 ln -sf "$file" "$lib/$name.so.$abi"
 ln -sf "$name.so.$abi" "$lib/$name.so"
 

@@ -285,6 +285,23 @@ typedef struct complete_mesh_options {
   complete_mesh_progress_fn progress;
   // Handed to progress as it is; the library does not look at it. Default: NULL.
   void *progress_user;
+  // What coherent fills may copy from: a byte for each face of the mesh, 0 where it may not be
+  // copied from. Yours; NULL: all may. Default: NULL.
+  const uint8_t *source_faces;
+  // Another mesh to copy from, in any position and of the same scale, e.g. an intact twin: three
+  // numbers a vertex, of vertex_type, packed. Yours; NULL: none. Origins on it have face numbers
+  // from the mesh's face count on. Default: NULL.
+  const void *exemplar_vertices;
+  // How many vertices the exemplar has. Default: 0.
+  size_t exemplar_vertex_count;
+  // Its faces, three 32-bit vertex indices each, packed. Yours. Default: NULL.
+  const uint32_t *exemplar_faces;
+  // How many faces the exemplar has. Default: 0.
+  size_t exemplar_face_count;
+  // 1: copy from the exemplar alone. Default: 0.
+  uint32_t exemplar_only;
+  // 1: copy nothing mirrored. Default: 0.
+  uint32_t unmirrored;
 } complete_mesh_options;
 
 // One hole. Lengths and positions are in mesh units.

@@ -1,6 +1,7 @@
 //! What the caller may choose. Every default is what a user who knows nothing should get.
 
 use crate::error::{Error, Result};
+use std::sync::Arc;
 
 /// How a fill is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -129,6 +130,67 @@ pub enum Sizing {
     None,
 }
 
+/// What a coherent completion may copy from: by default the whole mesh that it fills.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sources {
+    /// Of each face of the mesh whether it may be copied from; `None`: all.
+    pub faces: Option<Arc<[bool]>>,
+    /// Another mesh to copy from, in any position: an intact twin, the other half of a pair.
+    pub exemplar: Option<Arc<Exemplar>>,
+    /// Copy from the exemplar alone.
+    pub exemplar_only: bool,
+    /// Copy nothing mirrored.
+    pub unmirrored: bool,
+}
+
+/// A mesh that is copied from and does not become part of the result. Its scale is that of the mesh
+/// that is filled.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Exemplar {
+    /// Positions, in mesh units.
+    pub vertices: Vec<[f64; 3]>,
+    /// Three vertex indices each, counter-clockwise seen from outside.
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl Sources {
+    /// Whether anything differs from the default.
+    pub fn are_chosen(&self) -> bool {
+        self.faces.is_some() || self.exemplar.is_some() || self.unmirrored
+    }
+
+    /// Checks the lists against a mesh of so many faces.
+    pub(crate) fn check(&self, faces: usize) -> Result<()> {
+        let bad = |reason: String| Err(Error::InvalidOption { name: "sources", reason });
+        if let Some(chosen) = &self.faces {
+            if chosen.len() != faces {
+                return bad(format!("{} entries for {faces} faces", chosen.len()));
+            }
+            if !self.exemplar_only && !chosen.contains(&true) {
+                return bad("no face may be copied from: choose at least one".into());
+            }
+        }
+        let Some(exemplar) = &self.exemplar else {
+            return match self.exemplar_only {
+                true => bad("the exemplar alone shall be copied from, but there is none".into()),
+                false => Ok(()),
+            };
+        };
+        if exemplar.faces.is_empty() {
+            return bad("the exemplar has no faces".into());
+        }
+        let finite = |v: &[f64; 3]| v.iter().all(|x| x.is_finite());
+        if let Some(v) = exemplar.vertices.iter().position(|v| !finite(v)) {
+            return bad(format!("the exemplar's vertex {v} is not finite"));
+        }
+        let inside = |f: &[u32; 3]| f.iter().all(|&v| (v as usize) < exemplar.vertices.len());
+        if let Some(f) = exemplar.faces.iter().position(|f| !inside(f)) {
+            return bad(format!("the exemplar's face {f} names a vertex that does not exist"));
+        }
+        Ok(())
+    }
+}
+
 /// Options of [`crate::complete_mesh`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
@@ -142,6 +204,8 @@ pub struct Options {
     pub fairing: Fairing,
     /// The size of the new triangles.
     pub sizing: Sizing,
+    /// What may be copied from. Only `Method::Coherent` can be told.
+    pub sources: Sources,
     /// Fill the other holes when a selected one is unsafe or fails, and say so in its
     /// [`crate::HoleReport`]; by default such a hole is an error for the whole call.
     pub skip_unsafe: bool,
@@ -161,6 +225,9 @@ impl Options {
                 return bad("sizing", format!("the edge length {l} is not positive"))
             }
             _ => {}
+        }
+        if self.method == Method::Harary && self.sources.are_chosen() {
+            return bad("sources", "the method harary copies from the whole mesh".into());
         }
         match &self.selection {
             Selection::MaxCircumference(l) | Selection::MaxDiameter(l)

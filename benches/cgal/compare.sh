@@ -59,7 +59,7 @@ for input in "${inputs[@]}"; do
   : >"$work/theirs.txt"
   # In turn, so that a disturbance of the machine meets both.
   for _ in $(seq "$runs"); do
-    if ! "$ours" fill "$input" -o "$work/out.ply" --report "$work/report.json" --quiet; then
+    if ! "$ours" fill "$input" -o "$work/out.ply" --method smooth --report "$work/report.json" --quiet; then
       echo "| $name | not filled by this library |"
       continue 2
     fi

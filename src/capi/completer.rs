@@ -90,7 +90,7 @@ pub unsafe extern "C" fn complete_mesh(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.checked() }?;
+        let options = unsafe { opts.checked(face_count) }?;
         options.check()?;
         // SAFETY: as above.
         let input = unsafe { Input::new(vertices, vertex_count, faces, face_count, &opts) }?;
@@ -128,7 +128,7 @@ pub unsafe extern "C" fn complete_mesh_find_holes(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.checked() }?;
+        let options = unsafe { opts.checked(face_count) }?;
         options.check()?;
         opts.whole_mesh()?;
         // SAFETY: as above.
@@ -170,7 +170,7 @@ pub unsafe extern "C" fn complete_mesh_completer_new(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.checked() }?;
+        let options = unsafe { opts.checked(face_count) }?;
         options.check()?;
         opts.whole_mesh()?;
         // SAFETY: as above; the caller keeps the arrays for as long as the completer.
@@ -206,13 +206,13 @@ pub unsafe extern "C" fn complete_mesh_completer_complete(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.checked() }?;
-        options.check()?;
-        opts.single()?;
-        // SAFETY: as above.
         let Some(known) = (unsafe { completer.as_ref() }) else {
             return Err(Failure::argument("completer is NULL"));
         };
+        // SAFETY: as above.
+        let options = unsafe { opts.checked(known.input.view.faces.len()) }?;
+        options.check()?;
+        opts.single()?;
         let made = with_monitor(&opts, |monitor| {
             completed(&known.input, &known.completer, &opts, &options, monitor)
         })?;

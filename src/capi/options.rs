@@ -2,8 +2,9 @@
 
 use super::error::{Failure, Status};
 use super::guard::guard;
-use crate::options::{Fairing, Grouping, Method, Options, Selection, Sizing};
+use crate::options::{Exemplar, Fairing, Grouping, Method, Options, Selection, Sizing, Sources};
 use std::ffi::{c_char, c_int, c_void};
+use std::sync::Arc;
 
 /// The number type of the coordinates, of input and result alike.
 #[repr(C)]
@@ -177,6 +178,23 @@ pub struct COptions {
     pub progress: CProgressFn,
     /// Handed to progress as it is; the library does not look at it. Default: NULL.
     pub progress_user: *mut c_void,
+    /// What coherent fills may copy from: a byte for each face of the mesh, 0 where it may not be
+    /// copied from. Yours; NULL: all may. Default: NULL.
+    pub source_faces: *const u8,
+    /// Another mesh to copy from, in any position and of the same scale, e.g. an intact twin: three
+    /// numbers a vertex, of vertex_type, packed. Yours; NULL: none. Origins on it have face numbers
+    /// from the mesh's face count on. Default: NULL.
+    pub exemplar_vertices: *const c_void,
+    /// How many vertices the exemplar has. Default: 0.
+    pub exemplar_vertex_count: usize,
+    /// Its faces, three 32-bit vertex indices each, packed. Yours. Default: NULL.
+    pub exemplar_faces: *const u32,
+    /// How many faces the exemplar has. Default: 0.
+    pub exemplar_face_count: usize,
+    /// 1: copy from the exemplar alone. Default: 0.
+    pub exemplar_only: u32,
+    /// 1: copy nothing mirrored. Default: 0.
+    pub unmirrored: u32,
 }
 
 /// More threads than any machine has cores for one call; a garbage number would start them all.
@@ -214,6 +232,13 @@ impl COptions {
             output: COutput::WholeMesh as u32,
             progress: None,
             progress_user: std::ptr::null_mut(),
+            source_faces: std::ptr::null(),
+            exemplar_vertices: std::ptr::null(),
+            exemplar_vertex_count: 0,
+            exemplar_faces: std::ptr::null(),
+            exemplar_face_count: 0,
+            exemplar_only: 0,
+            unmirrored: 0,
         }
     }
 
@@ -275,26 +300,17 @@ impl COptions {
         }
     }
 
-    /// The same options for Rust, every number checked.
+    /// The same options for Rust, every number checked. `face_count`: of the mesh.
     ///
     /// # Safety
     /// The arrays are as long as their counts say.
-    pub(super) unsafe fn checked(&self) -> Result<Options, Failure> {
+    pub(super) unsafe fn checked(&self, face_count: usize) -> Result<Options, Failure> {
         if self.threads > MAX_THREADS {
             return Err(Failure::new(
                 Status::InvalidOption,
                 format!("option threads: {} is more than {MAX_THREADS}", self.threads),
             ));
         }
-        let skip_unsafe = match self.skip_unsafe {
-            0 => false,
-            1 => true,
-            other => {
-                return Err(Failure::argument(format!(
-                    "option skip_unsafe is {other}: only 0 and 1 are allowed"
-                )))
-            }
-        };
         Ok(Options {
             method: match self.method {
                 0 => Method::Smooth,
@@ -316,8 +332,52 @@ impl COptions {
             grouping: unsafe { self.grouping() }?,
             // SAFETY: as above.
             selection: unsafe { self.selection() }?,
-            skip_unsafe,
+            skip_unsafe: flag("skip_unsafe", self.skip_unsafe)?,
+            // SAFETY: as above.
+            sources: unsafe { self.sources(face_count) }?,
             threads: self.threads as usize,
+        })
+    }
+
+    unsafe fn sources(&self, face_count: usize) -> Result<Sources, Failure> {
+        let faces = match self.source_faces.is_null() {
+            true => None,
+            false => {
+                // SAFETY: the caller of `checked` answers for the array.
+                let bytes = unsafe { array("source_faces", self.source_faces, face_count) }?;
+                Some(bytes.iter().map(|&b| b != 0).collect())
+            }
+        };
+        let (vertices, count) = (self.exemplar_vertices, self.exemplar_vertex_count);
+        let exemplar = match self.exemplar_face_count {
+            0 => None,
+            triangles => {
+                let numbers = count.saturating_mul(3);
+                // SAFETY: the caller of `checked` answers for the arrays.
+                let vertices = match self.single()? {
+                    true => unsafe { array::<f32>("exemplar_vertices", vertices.cast(), numbers) }?
+                        .chunks_exact(3)
+                        .map(|p| [p[0], p[1], p[2]].map(f64::from))
+                        .collect(),
+                    false => {
+                        unsafe { array::<f64>("exemplar_vertices", vertices.cast(), numbers) }?
+                            .chunks_exact(3)
+                            .map(|p| [p[0], p[1], p[2]])
+                            .collect()
+                    }
+                };
+                let corners = triangles.saturating_mul(3);
+                // SAFETY: as above.
+                let corners = unsafe { array("exemplar_faces", self.exemplar_faces, corners) }?;
+                let faces = corners.chunks_exact(3).map(|f| [f[0], f[1], f[2]]).collect();
+                Some(Arc::new(Exemplar { vertices, faces }))
+            }
+        };
+        Ok(Sources {
+            faces,
+            exemplar,
+            exemplar_only: flag("exemplar_only", self.exemplar_only)?,
+            unmirrored: flag("unmirrored", self.unmirrored)?,
         })
     }
 
@@ -368,8 +428,18 @@ fn unknown(field: &str, value: u32, name: &str) -> Failure {
     Failure::argument(format!("option {field} is {value}, which is no {name}"))
 }
 
-/// A copy of a caller's array, which need not be aligned.
-unsafe fn array(name: &str, data: *const u32, count: usize) -> Result<Vec<u32>, Failure> {
+fn flag(field: &str, value: u32) -> Result<bool, Failure> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        other => {
+            Err(Failure::argument(format!("option {field} is {other}: only 0 and 1 are allowed")))
+        }
+    }
+}
+
+/// A copy of a caller's array of numbers, which need not be aligned.
+unsafe fn array<T: Copy>(name: &str, data: *const T, count: usize) -> Result<Vec<T>, Failure> {
     if count == 0 {
         return Ok(Vec::new());
     }
@@ -378,16 +448,20 @@ unsafe fn array(name: &str, data: *const u32, count: usize) -> Result<Vec<u32>, 
             "{name} is NULL, but {count} numbers are asked of it"
         )));
     }
-    // Holes and vertices are numbered with 32 bits: a longer list is garbage.
-    if count > u32::MAX as usize || count > isize::MAX as usize / 4 {
+    // Everything is numbered with 32 bits, in threes at most: a longer list is garbage.
+    if count > 3 * u32::MAX as usize || count > isize::MAX as usize / size_of::<T>() {
         return Err(Failure::argument(format!("{name} cannot have {count} numbers")));
     }
-    let mut copy: Vec<u32> = Vec::new();
+    let mut copy: Vec<T> = Vec::new();
     copy.try_reserve_exact(count)
         .map_err(|_| Failure::new(Status::OutOfMemory, format!("no memory for {name}")))?;
     // SAFETY: the caller answers for `count` readable numbers; as many are reserved.
     unsafe {
-        std::ptr::copy_nonoverlapping(data.cast::<u8>(), copy.as_mut_ptr().cast(), count * 4);
+        std::ptr::copy_nonoverlapping(
+            data.cast::<u8>(),
+            copy.as_mut_ptr().cast(),
+            count * size_of::<T>(),
+        );
         copy.set_len(count);
     }
     Ok(copy)

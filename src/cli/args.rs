@@ -1,8 +1,9 @@
 //! The arguments, and what they mean to the library.
 
 use super::failure::Failure;
+use super::sources::SourceArgs;
 use crate::error::Error;
-use crate::options::{Fairing, Grouping, Method, Options, Selection, Sizing};
+use crate::options::{Fairing, Grouping, Method, Options, Selection, Sizing, Sources};
 use crate::sample::{Break, Sample};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -69,6 +70,8 @@ pub(super) struct FillArgs {
     pub grouping: GroupingArgs,
     #[command(flatten)]
     pub sizing: SizingArgs,
+    #[command(flatten)]
+    pub sources: SourceArgs,
     /// Leave holes open that cannot be filled safely, instead of writing nothing
     #[arg(long)]
     pub skip_unsafe: bool,
@@ -186,7 +189,8 @@ pub(super) struct SampleArgs {
 }
 
 impl FillArgs {
-    /// The library's options. Methods that are not in this version are refused here.
+    /// The library's options but for the sources, which take the mesh to be told. Methods that are
+    /// not in this version are refused here.
     pub fn options(&self) -> Result<Options, Failure> {
         let method = match self.method {
             MethodName::Smooth => Method::Smooth,
@@ -205,6 +209,7 @@ impl FillArgs {
             fairing: self.fairing,
             sizing: self.sizing.sizing(),
             skip_unsafe: self.skip_unsafe,
+            sources: Sources::default(),
             threads: self.threads,
         };
         options.check()?;

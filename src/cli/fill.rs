@@ -22,7 +22,7 @@ use std::path::Path;
 const TOLD: usize = 12;
 
 pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
-    let options = args.options()?;
+    let mut options = args.options()?;
     check_paths(args)?;
     let format = Format::from_path(&args.output)
         .ok_or_else(|| IoError::UnknownFormat { path: args.output.clone() })?;
@@ -32,6 +32,7 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     let input = describe(&args.input, &document);
     // Before the fill: another format may number the vertices anew.
     document = convert(document, format, console)?;
+    options.sources = args.sources.sources(&document)?;
     let (holes, completion) = complete(&document, &options, console)?;
     document.append(&completion, &Extras { provenance: args.provenance })?;
     let mut outputs = Outputs::default();
@@ -62,6 +63,7 @@ fn check_paths(args: &FillArgs) -> Result<(), Failure> {
     let mut named = vec![("IN", &args.input), ("OUT", &args.output)];
     named.extend(args.report.as_ref().map(|p| ("--report", p)));
     named.extend(args.picture.as_ref().map(|p| ("--picture", p)));
+    named.extend(args.sources.exemplar.as_ref().map(|p| ("--exemplar", p)));
     for (i, (a, path)) in named.iter().enumerate() {
         for (b, other) in &named[i + 1..] {
             if (*a, *b) != ("IN", "OUT") && same_file(path, other) {

@@ -10,6 +10,7 @@ mod interrupt;
 mod output;
 mod report;
 mod sample;
+mod sources;
 
 use args::{Cli, Command};
 use clap::Parser;

@@ -4,11 +4,12 @@
 use super::smooth::Surroundings;
 use crate::error::Result;
 use crate::fill::patch::Patch;
-use crate::intersect::{degenerate_faces, find_intersections};
+use crate::intersect::{degenerate_faces, faces_that_meet};
 use crate::mesh::neighbourhood::{Bounds, Grid, Neighbourhood};
 use crate::mesh::MeshView;
 use crate::progress::Monitor;
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// Rounds of smoothing around the faces that meet others; most need one or two, and what eight
 /// do not mend is wrong at a larger scale.
@@ -67,17 +68,19 @@ impl Obstacles<'_> {
         };
         for round in 0..=REPAIRS {
             check()?;
-            let bad = bad_faces(&known, &patch);
+            let local = patch.triangles.len() / LOCAL + 60;
+            let bad = bad_faces(&known, &patch, local);
             if bad.is_empty() {
                 return Ok(Ok(patch));
             }
-            let hopeless = bad.len() > patch.triangles.len() / LOCAL + 60;
+            let hopeless = bad.len() > local;
             if round == REPAIRS || hopeless || patch.positions.len() == rim {
                 let [a, b, c] = patch.triangles[bad[0] as usize].map(|v| patch.p(v));
                 let at = (a + b + c) / 3.0;
                 let (x, y, z) = (at.x, at.y, at.z);
                 return Ok(Err(format!(
-                    "{} faces of its fill meet others, the first near ({x:.6}, {y:.6}, {z:.6})",
+                    "{}{} faces of its fill meet others, one near ({x:.6}, {y:.6}, {z:.6})",
+                    if hopeless { "at least " } else { "" },
                     bad.len()
                 )));
             }
@@ -90,52 +93,63 @@ impl Obstacles<'_> {
     /// Whether a settled patch meets the other fills.
     pub fn meets(&self, around: &Surroundings<'_>, patch: &Patch) -> bool {
         self.triangles_near(around, patch)
-            .map_or(true, |known| !bad_faces(&known, patch).is_empty())
+            .map_or(true, |known| !bad_faces(&known, patch, 0).is_empty())
     }
 
     /// Triangles of the mesh and of the other fills whose box meets that of the patch.
-    fn triangles_near(
-        &self,
-        around: &Surroundings<'_>,
+    fn triangles_near<'a>(
+        &'a self,
+        around: &'a Surroundings<'_>,
         patch: &Patch,
-    ) -> std::result::Result<Vec<[DVec3; 3]>, String> {
+    ) -> std::result::Result<Known<'a>, String> {
         let query = Bounds::of(patch.positions.iter().copied());
-        let corners =
-            |near: &Neighbourhood, f: usize| near.faces[f].map(|v| near.positions[v as usize]);
-        let mut known: Vec<[DVec3; 3]> = if self.covered.iter().any(|b| b.contains(&query)) {
-            let found = around.places.meeting(around.near, &query);
-            found.iter().map(|&f| corners(around.near, f as usize)).collect()
+        let (near, faces) = if self.covered.iter().any(|b| b.contains(&query)) {
+            (Cow::Borrowed(around.near), around.places.meeting(around.near, &query))
         } else {
             let fresh = Neighbourhood::gather(self.mesh, &[query], &Monitor::silent())
                 .map_err(|e| e.to_string())?;
-            (0..fresh.faces.len()).map(|f| corners(&fresh, f)).collect()
+            let all = (0..fresh.faces.len() as u32).collect();
+            (Cow::Owned(fresh), all)
         };
-        known.extend(self.others.iter().filter(|t| Bounds::of_triangle(**t).overlaps(&query)));
-        Ok(known)
+        let meets = |t: &&[DVec3; 3]| Bounds::of_triangle(**t).overlaps(&query);
+        Ok(Known { near, faces, others: self.others.iter().filter(meets).copied().collect() })
+    }
+}
+
+/// What a fill must not meet. Faces by their numbers: a fill around an object has most of the mesh in
+/// its box.
+struct Known<'a> {
+    near: Cow<'a, Neighbourhood>,
+    faces: Vec<u32>,
+    others: Vec<[DVec3; 3]>,
+}
+
+impl Known<'_> {
+    fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        let corners =
+            |&f: &u32| self.near.faces[f as usize].map(|v| self.near.positions[v as usize]);
+        self.faces.iter().map(corners).chain(self.others.iter().copied())
     }
 }
 
 /// Faces of the patch that have no area or meet one another or a known triangle. Shared vertices
-/// are told by their positions, so the known triangles need no common numbering.
-fn bad_faces(known: &[[DVec3; 3]], patch: &Patch) -> Vec<u32> {
+/// are told by their positions, so the known triangles need no common numbering. With more than `most`
+/// only some of them are named.
+fn bad_faces(known: &Known<'_>, patch: &Patch, most: usize) -> Vec<u32> {
     let boxes: Vec<Bounds> =
         patch.triangles.iter().map(|t| Bounds::of_triangle(t.map(|v| patch.p(v)))).collect();
     // The box of a fill holds much that comes nowhere near it.
     let cells = Grid::new(&boxes);
-    let mut positions: Vec<DVec3> = known
-        .iter()
-        .filter(|t| cells.meets(&Bounds::of_triangle(**t)))
-        .flatten()
-        .copied()
-        .collect();
+    drop(boxes);
+    let near = known.triangles().filter(|t| cells.meets(&Bounds::of_triangle(*t)));
+    let mut positions: Vec<DVec3> = near.flatten().collect();
     let mut faces: Vec<[u32; 3]> =
         (0..positions.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
     let (fill_start, first) = (faces.len(), positions.len() as u32);
     positions.extend_from_slice(&patch.positions);
     faces.extend(patch.triangles.iter().map(|t| t.map(|v| v + first)));
     let mut bad = degenerate_faces(&positions, &faces, fill_start);
-    bad.extend(find_intersections(&positions, &faces, fill_start).into_iter().flatten());
-    bad.retain(|&f| f as usize >= fill_start);
+    bad.extend(faces_that_meet(&positions, &faces, fill_start, most));
     bad.iter_mut().for_each(|f| *f -= fill_start as u32);
     bad.sort_unstable();
     bad.dedup();

@@ -13,8 +13,13 @@ use super::smooth::{Fill, Story, Surroundings};
 use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::fill::refine::refine;
-use crate::matching::search::{find_candidates, scale_of, Maps, Target};
+use crate::matching::cloud::Cloud;
+use crate::matching::search::{
+    cloud_at, cloud_scale, find_candidates, radius_at, scale_of, Maps, Target,
+};
 use crate::matching::source::Source;
+use crate::mesh::MeshView;
+use crate::options::Sources;
 use crate::progress::Pace;
 use crate::result::{Origin, SourceReport};
 use crate::synthesis::domain::{Domain, Extent};
@@ -30,35 +35,55 @@ const LEAST: usize = 6;
 /// Rounds of refinement between the two looks.
 const AGAIN: usize = 2;
 
-/// What is made once a mesh and kept: the source, and its maps by scale.
+/// What is made once a mesh and kept: what is known, what may be copied from, and its maps by scale.
 pub struct Library {
-    /// The source.
-    pub source: Source,
+    known: Source,
+    /// What may be copied from, where that is not all that is known.
+    chosen: Option<Source>,
+    mirrored: bool,
     maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
+    /// Of what is known, and of what was chosen.
+    clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
 }
 
 impl Library {
-    /// Of a source; maps are made when a hole first asks for them.
-    pub fn new(source: Source) -> Self {
-        Self { source, maps: Mutex::default() }
+    /// Of a mesh with these boundary vertices; maps are made when a hole first asks for them.
+    pub fn new(mesh: MeshView<'_>, boundary: &[u32], sources: &Sources) -> Self {
+        let rims = || boundary.iter().copied();
+        let chosen = sources.faces.is_some() || sources.exemplar.is_some();
+        Self {
+            known: Source::new(mesh, rims()),
+            chosen: chosen.then(|| Source::chosen(mesh, rims(), sources)),
+            mirrored: !sources.unmirrored,
+            maps: Mutex::default(),
+            clouds: Default::default(),
+        }
     }
 
-    fn maps(
-        &self,
-        radius: f64,
-        threads: usize,
-        check: &dyn Fn() -> Result<()>,
-    ) -> Result<Arc<Maps>> {
-        let scale = scale_of(&self.source, radius);
-        // Holes of one scale wait for the first of them.
-        let mut known = self.maps.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(maps) = known.get(&scale) {
-            return Ok(maps.clone());
-        }
-        let maps = Arc::new(Maps::new(&self.source, scale, threads, check)?);
-        known.insert(scale, maps.clone());
-        Ok(maps)
+    /// What may be copied from.
+    fn source(&self) -> &Source {
+        self.chosen.as_ref().unwrap_or(&self.known)
     }
+
+    fn maps(&self, radius: f64) -> Arc<Maps> {
+        let edge = self.known.edge;
+        let scale = scale_of(edge, radius);
+        let radius = radius_at(edge, scale);
+        let cloud = |source: &Source, kept: usize| {
+            let key = cloud_scale(source, radius);
+            once(&self.clouds[kept], key, || cloud_at(source, key))
+        };
+        let known = cloud(&self.known, 0);
+        let of_source = self.chosen.as_ref().map_or(known.clone(), |s| cloud(s, 1));
+        let make = || Maps::new(self.source(), radius, of_source, known, self.mirrored);
+        once(&self.maps, scale, make)
+    }
+}
+
+/// What is kept under a key, made if it is not there: who comes later waits for the first.
+fn once<T>(kept: &Mutex<BTreeMap<i32, Arc<T>>>, key: i32, make: impl FnOnce() -> T) -> Arc<T> {
+    let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+    kept.entry(key).or_insert_with(|| Arc::new(make())).clone()
 }
 
 /// The coherent completion of a hole whose smooth completion is given. `Ok(None)`: nothing on the
@@ -84,11 +109,11 @@ pub fn complete_hole(
         let Some(narrow) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
         let windows = plan_windows(&narrow);
         let views = scope.look_through(&windows)?;
-        return Ok(finish(&fill.patch, &library.source, &narrow, &views));
+        return Ok(finish(&fill.patch, library.source(), &narrow, &views));
     };
     let whole = [whole];
     let views = scope.look_through(&whole)?;
-    let Some((mut patch, story)) = finish(&fill.patch, &library.source, &domain, &views) else {
+    let Some((mut patch, story)) = finish(&fill.patch, library.source(), &domain, &views) else {
         return Ok(None);
     };
     if views[0].doubt > 0.0 {
@@ -104,7 +129,7 @@ pub fn complete_hole(
     let Some(window) = one_window(&domain) else { return Ok(Some(first)) };
     let transforms: Vec<_> = views[0].copies.iter().map(|c| c.transform).collect();
     let roughness = scope.roughness(&window.domain);
-    let source = &library.source;
+    let source = library.source();
     let views = look(&window, source, &transforms, roughness, threads, &|| check(0.85))?;
     let views: Vec<View<'_>> = views.into_iter().collect();
     Ok(finish(&patch, source, &domain, &views).or(Some(first)))
@@ -122,14 +147,16 @@ impl Scope<'_> {
     /// Searches for all windows and looks through each.
     fn look_through<'w>(&self, windows: &'w [Window]) -> Result<Vec<View<'w>>> {
         let Some(first) = windows.first() else { return Ok(Vec::new()) };
-        let (source, threads) = (&self.library.source, self.threads);
+        let (source, threads) = (self.library.source(), self.threads);
+        let known = &self.library.known;
         let at = |part: f64| move || (self.check)(part);
-        let maps = self.library.maps(first.domain.radius, threads, &at(0.1))?;
+        let maps = self.library.maps(first.domain.radius);
+        (self.check)(0.1)?;
         let rings: Vec<Vec<(DVec3, DVec3)>> =
             windows.iter().map(|w| w.domain.ring_points()).collect();
         let targets: Vec<Target<'_>> =
             windows.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
-        let found = find_candidates(source, &maps, &targets, threads, &at(0.3))?;
+        let found = find_candidates(known, source, &maps, &targets, threads, &at(0.3))?;
         let mut views = Vec::new();
         for (i, (window, candidates)) in windows.iter().zip(found).enumerate() {
             let part = 0.5 + 0.4 * i as f64 / windows.len() as f64;
@@ -144,7 +171,7 @@ impl Scope<'_> {
     fn roughness(&self, domain: &Domain) -> f64 {
         let of = |&v: &usize| {
             let input = self.around.near.vertices[domain.near_vertex(v) as usize];
-            self.library.source.roughness[input as usize]
+            self.library.known.roughness[input as usize]
         };
         domain.ring.iter().map(of).sum::<f64>() / domain.ring.len().max(1) as f64
     }

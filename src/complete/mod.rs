@@ -11,10 +11,9 @@ use crate::error::{Error, Result};
 use crate::fill::sheet::Incidence;
 use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
-use crate::matching::source::Source;
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
-use crate::options::{Fairing, Grouping, Method, Options};
+use crate::options::{Fairing, Grouping, Method, Options, Sources};
 #[cfg(feature = "capi")]
 pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
@@ -24,7 +23,7 @@ use coherent::Library;
 use cpu_time::ProcessTime;
 use glam::DVec3;
 use smooth::{fill_hole, Fill, Surroundings};
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How far around its rim a hole's neighbourhood reaches, in diameters: a fill seldom bulges
@@ -61,7 +60,7 @@ pub struct Completer<'a> {
     mesh: MeshView<'a>,
     holes: HoleList,
     /// Made when a coherent completion first asks for it.
-    library: OnceLock<Library>,
+    library: Mutex<Option<(Sources, Arc<Library>)>>,
     /// Wall and CPU time of finding the holes.
     spent: (Duration, Duration),
 }
@@ -75,12 +74,20 @@ impl<'a> Completer<'a> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
         monitor.step(0.0, "finding holes")?;
         let holes = find_holes(mesh, grouping, monitor)?;
-        Ok(Self { mesh, holes, library: OnceLock::new(), spent: (clock.elapsed(), cpu.elapsed()) })
+        Ok(Self { mesh, holes, library: Mutex::default(), spent: (clock.elapsed(), cpu.elapsed()) })
     }
 
-    fn library(&self) -> &Library {
-        let rims = || self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied());
-        self.library.get_or_init(|| Library::new(Source::new(self.mesh, rims())))
+    /// What coherent completions copy from, kept until other sources are asked for.
+    fn library(&self, sources: &Sources) -> Arc<Library> {
+        let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, library)) = kept.as_ref().filter(|k| k.0 == *sources) {
+            return library.clone();
+        }
+        let rims: Vec<u32> =
+            self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect();
+        let library = Arc::new(Library::new(self.mesh, &rims, sources));
+        *kept = Some((sources.clone(), library.clone()));
+        library
     }
 
     /// The holes found.
@@ -93,6 +100,7 @@ impl<'a> Completer<'a> {
     pub fn complete(&self, options: &Options, monitor: &Monitor) -> Result<Completion> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
         options.check()?;
+        options.sources.check(self.mesh.faces.len())?;
         let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
         let todo = self.safe_holes(&wanted, options)?;
         monitor.step(0.05, "copying the surroundings")?;
@@ -101,6 +109,7 @@ impl<'a> Completer<'a> {
         let incidence = Incidence::new(&near);
         let single = self.mesh.vertices.is_single();
         let around = Surroundings {
+            input_vertices: self.mesh.vertices.len(),
             near: &near,
             incidence: &incidence,
             places: FacePlaces::new(&near, todo.len()),
@@ -178,7 +187,8 @@ impl<'a> Completer<'a> {
         let mut filled = fill_hole(around, &loops, obstacles, &early)?;
         if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
-            self.continue_fill(around, obstacles, fill, threads, &late)?;
+            let library = self.library(&options.sources);
+            self.continue_fill(around, obstacles, fill, &library, threads, &late)?;
         }
         let seconds = clock.elapsed().as_secs_f64();
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
@@ -228,10 +238,11 @@ impl<'a> Completer<'a> {
         around: &Surroundings<'_>,
         obstacles: &Obstacles<'_>,
         fill: &mut Fill,
+        library: &Library,
         threads: usize,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<()> {
-        let made = coherent::complete_hole(around, fill, self.library(), threads, check)?;
+        let made = coherent::complete_hole(around, fill, library, threads, check)?;
         let Some((patch, story)) = made else { return Ok(()) };
         if let Ok(patch) = obstacles.settle(around, patch, &|| check(0.95))? {
             (fill.patch, fill.story, fill.method) = (patch, Some(story), Method::Coherent);

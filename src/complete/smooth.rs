@@ -9,7 +9,7 @@
 
 use super::check::{Obstacles, Rounding};
 use crate::error::Result;
-use crate::fill::fairing::{fair, predict_hidden, Plate};
+use crate::fill::fairing::{fair, fair_from, predict_hidden, Plate};
 use crate::fill::outline::Outline;
 use crate::fill::patch::Patch;
 use crate::fill::polygon::join_loops;
@@ -34,12 +34,24 @@ const SMALL: f64 = 12.0;
 const HALF: f64 = 2.0;
 /// Holes with less radius than this many edges have no coarser fill worth the name.
 const TINY: f64 = 5.0;
+/// Holes with less radius than this many edges have one of four edges; with twice, of eight; and so
+/// on: what it costs to choose does not grow with the hole.
+const LARGE: f64 = 96.0;
+/// Vertices of the surroundings that are hidden at most, but always a ring.
+const MOST_HIDDEN: usize = 3000;
+/// Unknowns of a thin plate that are solved at once in any mesh: its factor takes some 5 MiB; that of a
+/// triharmonic surface has twice as many entries a row.
+const AT_ONCE: usize = 4000;
+/// Or one for so many vertices of the input: a factor of twice its arrays.
+const ROOM: usize = 16;
 /// Smoothing length of the smoothed plate, in hole radii; and its band.
 const SMOOTHING: f64 = 0.1;
 const SOFT_BAND: f64 = 0.4;
 
 /// What all holes of a call share.
 pub struct Surroundings<'a> {
+    /// How many vertices the whole mesh has.
+    pub input_vertices: usize,
     /// The mesh near the holes.
     pub near: &'a Neighbourhood,
     /// Its faces by vertex.
@@ -104,9 +116,14 @@ pub fn fill_hole(
     let mut pace = Pace::new(&ask);
     let mut reason = String::from("its rim has no triangulation");
     for (round, all_pairs) in ALL_PAIRS.into_iter().enumerate() {
-        // A small polygon has all its chords the first time already.
-        if round > 0 && all_pairs.holds(&polygon) {
-            break;
+        // Each search is another only for polygons of some sizes.
+        let is_another = match round {
+            0 => true,
+            1 => !all_pairs.holds(&polygon),
+            _ => all_pairs.holds(&polygon) && !ALL_PAIRS[0].holds(&polygon),
+        };
+        if !is_another {
+            continue;
         }
         let first =
             triangulate(&outline.positions, &outline.sizes, &polygon, all_pairs, &mut pace)?;
@@ -135,8 +152,13 @@ pub fn fill_hole(
     Ok(Err(reason))
 }
 
+/// Area of a coarse fill, in that of the triangulation it came from, from which on it is no surface to
+/// refine: a half sphere over a flat rim has twice.
+const SWOLLEN: f64 = 3.0;
+
 /// Why an attempt fails before its check.
 const TOO_MANY: &str = "its wanted edge length asks for too many vertices";
+const SWELLS: &str = "its surface swells or folds";
 const NO_FACTOR: &str = "the fairing's system is not positive definite";
 
 /// One attempt: refined and faired, not yet checked.
@@ -166,6 +188,11 @@ fn make(
     }
     let Some(plate) = plate_of(fairing, outline) else { return Ok(Ok(patch)) };
     let band = band_for(around, outline, plate);
+    let count = patch.positions.len() - patch.rim_count;
+    let most = most_at_once(around, plate);
+    if count > most && !plate.is_soft() && around.sizing != Sizing::None {
+        return approach(around, outline, first.clone(), count, plate, &band, check);
+    }
     for pass in 0..2 {
         check(0.3 + 0.3 * f64::from(pass))?;
         let sheet = Sheet::new(&patch, &band, around.near);
@@ -181,6 +208,78 @@ fn make(
     Ok(Ok(patch))
 }
 
+/// A fill of many vertices, about `count`: faired at once while it is coarse enough for that, then
+/// finer and finer.
+fn approach(
+    around: &Surroundings<'_>,
+    outline: &Outline,
+    mut patch: Patch,
+    count: usize,
+    plate: Plate,
+    band: &Band,
+    check: &dyn Fn(f64) -> Result<()>,
+) -> Result<std::result::Result<Patch, String>> {
+    let mut coarse = HALF;
+    while count as f64 > coarse * coarse * most_at_once(around, plate) as f64 {
+        coarse *= 2.0;
+    }
+    patch.sizes.iter_mut().for_each(|s| *s *= coarse);
+    if !refine(&mut patch, &outline.taken, 4, &mut Pace::new(&|| check(0.25)))? {
+        return Ok(Err(TOO_MANY.into()));
+    }
+    check(0.3)?;
+    let sheet = Sheet::new(&patch, band, around.near);
+    let Some(moved) = fair(&sheet, plate, outline.mean_size()) else {
+        return Ok(Err(NO_FACTOR.into()));
+    };
+    drop(sheet);
+    let area = patch.area();
+    place(&mut patch, &moved);
+    if patch.area() > SWOLLEN * area {
+        return Ok(Err(SWELLS.into()));
+    }
+    descend(around, outline, patch, coarse, plate, band, check)
+}
+
+/// From a faired patch of `coarse` times the wanted edge length to one of the wanted length. The
+/// offsets are not the plate's: it is solved without them and they are added again.
+fn descend(
+    around: &Surroundings<'_>,
+    outline: &Outline,
+    mut patch: Patch,
+    mut coarse: f64,
+    plate: Plate,
+    band: &Band,
+    check: &dyn Fn(f64) -> Result<()>,
+) -> Result<std::result::Result<Patch, String>> {
+    let edge = outline.mean_size();
+    let rim = patch.rim_count;
+    // A vertex of an equilateral net has √3/2 square edges to itself.
+    let most = most_at_once(around, plate);
+    let in_steps = patch.area() > 0.75 * edge * edge * most as f64;
+    loop {
+        let step = if in_steps { coarse.min(2.0) } else { coarse };
+        coarse /= step;
+        patch.sizes.iter_mut().for_each(|s| *s /= step);
+        if !refine(&mut patch, &outline.taken, 3, &mut Pace::new(&|| check(0.55)))? {
+            return Ok(Err(TOO_MANY.into()));
+        }
+        check(0.6)?;
+        let sheet = Sheet::new(&patch, band, around.near);
+        let start = (rim..patch.positions.len()).map(|v| patch.positions[v] - patch.offsets[v]);
+        let Some(moved) = fair_from(sheet, start, plate, edge, most) else {
+            return Ok(Err(NO_FACTOR.into()));
+        };
+        place(&mut patch, &moved);
+        for (p, offset) in patch.positions.iter_mut().zip(&patch.offsets).skip(rim) {
+            *p += *offset;
+        }
+        if coarse <= 1.0 {
+            return Ok(Ok(patch));
+        }
+    }
+}
+
 /// The blend of thin plate and triharmonic surface that the surroundings ask for.
 fn auto(
     around: &Surroundings<'_>,
@@ -192,17 +291,19 @@ fn auto(
     let edge = outline.mean_size();
     let radius = outline.radius();
     let coarse = match radius / edge {
-        r if r > SMALL => COARSE,
+        r if r > SMALL => COARSE * (r / LARGE).max(1.0).log2().ceil().exp2(),
         r if r > TINY => HALF,
         _ => 1.0,
     };
+    let area = patch.area();
     // New vertices inherit their wanted length from the rim's.
     patch.sizes.iter_mut().for_each(|s| *s *= coarse);
     if !refine(&mut patch, &outline.taken, 3, &mut Pace::new(&|| check(0.25)))? {
         return Ok(Err(TOO_MANY.into()));
     }
     check(0.3)?;
-    let hidden = ((HIDDEN_SHARE * radius / edge).round() as usize).max(1);
+    let rings = (HIDDEN_SHARE * radius / edge).round() as usize;
+    let hidden = rings.min(MOST_HIDDEN / outline.vertices.len().max(1)).max(1);
     let band = Band::grow(near, incidence, &outline.vertices, hidden + 2);
     let sheet = Sheet::new(&patch, &band, near);
     let Some(prediction) = predict_hidden(&sheet, hidden, edge) else {
@@ -223,28 +324,22 @@ fn auto(
             }
         }
     }
-    patch.sizes.iter_mut().for_each(|s| *s /= coarse);
-    if !refine(&mut patch, &outline.taken, 3, &mut Pace::new(&|| check(0.55)))? {
-        return Ok(Err(TOO_MANY.into()));
+    if patch.area() > SWOLLEN * area {
+        return Ok(Err(SWELLS.into()));
     }
-    check(0.6)?;
-    let sheet = Sheet::new(&patch, &band, near);
     // In full the curvature is worth a solution of its own.
     let whole = prediction.share == 1.0;
-    let plate = if whole { Plate::Triharmonic } else { Plate::Thin };
-    let Some(fine) = fair(&sheet, plate, edge) else {
-        return Ok(Err(NO_FACTOR.into()));
-    };
-    place(&mut patch, &fine);
     if whole {
-        return Ok(Ok(patch));
+        patch.offsets.fill(DVec3::ZERO);
     }
-    let rim = patch.rim_count;
-    for v in rim..patch.positions.len() {
-        let offset = patch.offsets[v];
-        patch.positions[v] += offset;
-    }
-    Ok(Ok(patch))
+    let plate = if whole { Plate::Triharmonic } else { Plate::Thin };
+    descend(around, outline, patch, coarse, plate, &band, check)
+}
+
+/// Unknowns of a system that is solved at once: the factor shall not outweigh the input's arrays.
+fn most_at_once(around: &Surroundings<'_>, plate: Plate) -> usize {
+    let share = if plate == Plate::Triharmonic { 2 } else { 1 };
+    (around.input_vertices / ROOM).max(AT_ONCE) / share
 }
 
 fn place(patch: &mut Patch, moved: &[DVec3]) {

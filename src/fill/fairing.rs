@@ -12,6 +12,7 @@
 //! Differences from the papers: where known vertices are soft, the fill is joined to the true rim
 //! afterwards by spreading the rim's residual inward over a short length.
 
+use super::blocks::solve_by_blocks;
 use super::sheet::{Laplacian, Sheet, Weights};
 use super::solve::System;
 use glam::DVec3;
@@ -48,6 +49,39 @@ impl Plate {
     pub fn is_soft(self) -> bool {
         matches!(self, Plate::LeastSquares | Plate::Smoothed(_))
     }
+}
+
+/// [`fair`], where the new vertices lie near the solution already, at `start`: with more than
+/// `most_at_once` of them the system is solved by blocks.
+/// Weights and masses are those of the sheet as it is.
+pub fn fair_from(
+    mut sheet: Sheet,
+    start: impl Iterator<Item = DVec3>,
+    plate: Plate,
+    edge: f64,
+    most_at_once: usize,
+) -> Option<Vec<DVec3>> {
+    if plate.is_soft() {
+        return fair(&sheet, plate, edge);
+    }
+    let l = Laplacian::new(&sheet.positions, &sheet.triangles, Weights::Cotangent);
+    sheet.triangles = Vec::new();
+    let assemble = |sheet: &Sheet, number: &[u32], free: &[usize]| match plate {
+        Plate::Membrane => assemble_membrane(sheet, &l, number, free),
+        Plate::Triharmonic => assemble_triharmonic(sheet, &l, number, free),
+        _ => assemble_plate(sheet, &l, |_| None, 1.0, number, free),
+    };
+    let new = sheet.rim_count..sheet.patch_count;
+    if new.len() > most_at_once {
+        sheet.positions[new.clone()].iter_mut().zip(start).for_each(|(p, s)| *p = s);
+        solve_by_blocks(&mut sheet, &l, &assemble)?;
+        return Some(sheet.positions[new].to_vec());
+    }
+    let (number, free) = number_unknowns(&sheet, |v| sheet.is_new(v));
+    let system = assemble(&sheet, &number, &free);
+    // The factor needs the room.
+    drop((sheet, l, number, free));
+    system.solve()
 }
 
 /// New positions of the patch's new vertices; `None` if the system is not positive definite.
@@ -102,12 +136,12 @@ const SMOOTH: f64 = 0.1;
 /// the mean edge length there.
 pub fn predict_hidden(sheet: &Sheet, hidden: usize, edge: f64) -> Option<Prediction> {
     let l = Laplacian::new(&sheet.positions, &sheet.triangles, Weights::Cotangent);
-    let is_free = |v: usize| is_new(sheet, v) || sheet.ring[v] as usize <= hidden;
+    let is_free = |v: usize| sheet.is_new(v) || sheet.ring[v] as usize <= hidden;
     let (number, free) = number_unknowns(sheet, is_free);
     let thin = assemble_plate(sheet, &l, |_| None, 1.0, &number, &free).solve()?;
     let curved = assemble_triharmonic(sheet, &l, &number, &free).solve()?;
     let (mut product, mut square, mut error, mut mass) = (0.0, 0.0, 0.0, 0.0);
-    for (i, &v) in free.iter().enumerate().filter(|&(_, &v)| !is_new(sheet, v)) {
+    for (i, &v) in free.iter().enumerate().filter(|&(_, &v)| !sheet.is_new(v)) {
         let (apart, missed) = (curved[i] - thin[i], sheet.positions[v] - thin[i]);
         product += l.mass[v] * apart.dot(missed);
         square += l.mass[v] * apart.length_squared();
@@ -140,15 +174,15 @@ fn number_unknowns(sheet: &Sheet, is_free: impl Fn(usize) -> bool) -> (Vec<u32>,
     (number, free)
 }
 
-fn is_new(sheet: &Sheet, v: usize) -> bool {
-    v >= sheet.rim_count && v < sheet.patch_count
+fn solve_membrane(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
+    let (number, free) = number_unknowns(sheet, |v| sheet.is_new(v));
+    assemble_membrane(sheet, l, &number, &free).solve()
 }
 
-fn solve_membrane(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
-    let (number, free) = number_unknowns(sheet, |v| is_new(sheet, v));
+fn assemble_membrane(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[usize]) -> System {
     let places = free.iter().map(|&v| sheet.positions[v]);
     let mut system = System::new(free.len()).with_places(places);
-    for &v in &free {
+    for &v in free {
         let mut rhs = DVec3::ZERO;
         system.add(number[v] as usize, l.diagonal[v]);
         for (w, weight) in l.row(v) {
@@ -159,7 +193,7 @@ fn solve_membrane(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
         }
         system.end_column(rhs);
     }
-    system.solve()
+    system
 }
 
 /// Minimises scale · Σ |(L x)_i|² / m_i over complete rows + Σ soft(i) |x_i − p_i|². Returns the
@@ -172,7 +206,7 @@ fn solve_plate(
 ) -> Option<Vec<DVec3>> {
     let is_soft = soft(0).is_some();
     let last = sheet.rings as u16;
-    let is_free = |v: usize| is_new(sheet, v) || is_soft && sheet.ring[v] < last;
+    let is_free = |v: usize| sheet.is_new(v) || is_soft && sheet.ring[v] < last;
     let (number, free) = number_unknowns(sheet, is_free);
     let solution = assemble_plate(sheet, l, soft, scale, &number, &free).solve()?;
     let value = |v: usize| match number[v] {
@@ -210,7 +244,7 @@ fn assemble_plate(
                 }
             }
         }
-        if let Some(weight) = soft(v).filter(|_| !is_new(sheet, v)) {
+        if let Some(weight) = soft(v).filter(|_| !sheet.is_new(v)) {
             system.add(number[v] as usize, weight);
             rhs += weight * sheet.positions[v];
         }
@@ -250,14 +284,19 @@ fn join_to_rim(sheet: &Sheet, smooth: Vec<DVec3>, edge: f64) -> Option<Vec<DVec3
 /// Minimises Σ_edges w_ij |(M⁻¹ L x)_i − (M⁻¹ L x)_j|², the gradient of the mean curvature vector,
 /// over edges whose ends both have all their neighbours.
 fn solve_triharmonic(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
-    let (number, free) = number_unknowns(sheet, |v| is_new(sheet, v));
+    let (number, free) = number_unknowns(sheet, |v| sheet.is_new(v));
     assemble_triharmonic(sheet, l, &number, &free).solve()
 }
 
 fn assemble_triharmonic(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[usize]) -> System {
     let places = free.iter().map(|&v| sheet.positions[v]);
     let mut system = System::new(free.len()).with_places(places);
-    let gradient = Rows::gradient(sheet, l);
+    let mut needed = vec![false; sheet.positions.len()];
+    for &v in free {
+        needed[v] = true;
+        l.row(v).for_each(|(w, _)| needed[w] = true);
+    }
+    let gradient = Rows::gradient(sheet, l, &needed, free.len());
     for &v in free {
         let mut rhs = DVec3::ZERO;
         // Column v of M⁻¹ L, then row by row what it is multiplied with.
@@ -284,18 +323,19 @@ struct Rows {
 }
 
 impl Rows {
-    /// L' M⁻¹ L at complete rows, L' the Laplacian of the edges both of whose ends are complete.
-    fn gradient(sheet: &Sheet, l: &Laplacian) -> Self {
+    /// L' M⁻¹ L at the complete rows that are needed, about `count`; L' the Laplacian of the edges
+    /// both of whose ends are complete.
+    fn gradient(sheet: &Sheet, l: &Laplacian, needed: &[bool], count: usize) -> Self {
         let n = sheet.positions.len();
         let mut rows = Self {
             start: vec![0; n + 1],
-            columns: Vec::with_capacity(19 * n),
-            values: Vec::with_capacity(19 * n),
+            columns: Vec::with_capacity(20 * count),
+            values: Vec::with_capacity(20 * count),
         };
         let mut sum = vec![f64::NAN; n];
         let mut used: Vec<u32> = Vec::new();
         for i in 0..n {
-            if sheet.is_complete(i) {
+            if needed[i] && sheet.is_complete(i) {
                 let mut diagonal = 0.0;
                 let mut add_row = |j: usize, weight: f64| {
                     let factor = weight / l.mass[j];

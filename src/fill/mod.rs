@@ -1,5 +1,6 @@
 //! Triangulation, refinement and fairing of one hole.
 
+pub mod blocks;
 pub mod envelope;
 pub mod fairing;
 pub mod outline;

@@ -108,6 +108,12 @@ impl Patch {
         unreachable!("neighbouring triangles know each other")
     }
 
+    /// The sum of all triangles.
+    pub fn area(&self) -> f64 {
+        let alive = (0..self.triangles.len()).filter(|&t| self.is_alive(t));
+        alive.map(|t| 0.5 * self.area_normal(t).length()).sum()
+    }
+
     fn relink(&mut self, n: u32, old: u32, new: u32, a: u32, b: u32) {
         // The neighbour runs the edge a → b as b → a.
         if n != NONE {
@@ -216,6 +222,30 @@ impl Patch {
         self.across.push([t2, n, db]);
         self.at.push(t);
         for (v, tri) in [(a, t), (b, t2), (c, t), (d, n)] {
+            self.at[v as usize] = tri;
+        }
+        m
+    }
+
+    /// Puts a new vertex into a triangle; returns it.
+    pub fn insert(&mut self, t: u32, position: DVec3) -> u32 {
+        let [a, b, c] = self.triangles[t as usize];
+        let [ab, bc, ca] = self.across[t as usize];
+        let m = self.positions.len() as u32;
+        let third = |x: &[f64]| (x[a as usize] + x[b as usize] + x[c as usize]) / 3.0;
+        let offset: DVec3 = [a, b, c].iter().map(|&v| self.offsets[v as usize]).sum();
+        self.sizes.push(third(&self.sizes));
+        self.offsets.push(offset / 3.0);
+        self.positions.push(position);
+        let (t2, t3) = (self.triangles.len() as u32, self.triangles.len() as u32 + 1);
+        self.relink(bc, t, t2, b, c);
+        self.relink(ca, t, t3, c, a);
+        self.triangles[t as usize] = [a, b, m];
+        self.across[t as usize] = [ab, t2, t3];
+        self.triangles.extend([[b, c, m], [c, a, m]]);
+        self.across.extend([[bc, t3, t], [ca, t, t2]]);
+        self.at.push(t);
+        for (v, tri) in [(a, t), (b, t), (c, t2)] {
             self.at[v as usize] = tri;
         }
         m

@@ -92,7 +92,7 @@ fn wanted(patch: &Patch, a: u32, b: u32) -> f64 {
 
 /// Splits every edge that is too long, the longest (relative to its wanted length) first.
 fn split_long(patch: &mut Patch, looks: &mut Looks, pace: &mut Pace<'_>) -> Result<bool> {
-    let mut any = false;
+    let mut any = split_lone(patch);
     let mut since = 0;
     // Each pass halves; long edges across a coarse triangulation need several.
     for _ in 0..32 {
@@ -138,6 +138,18 @@ fn split_long(patch: &mut Patch, looks: &mut Looks, pace: &mut Pace<'_>) -> Resu
         flip_fresh(patch, &[], looks, pace)?;
     }
     Ok(any)
+}
+
+/// A rim of three edges has one triangle and no edge to split: if it is too large it gets a vertex in
+/// the middle.
+fn split_lone(patch: &mut Patch) -> bool {
+    let is_lone = patch.triangles.len() == 1 && patch.across[0] == [NONE; 3];
+    let is_large = is_lone && (0..3).any(|k| is_stretched(patch, 0, k, SPLIT));
+    if is_large {
+        let [a, b, c] = patch.triangles[0].map(|v| patch.p(v));
+        patch.insert(0, (a + b + c) / 3.0);
+    }
+    is_large
 }
 
 /// Length of an edge in wanted ones.
@@ -448,6 +460,49 @@ pub fn split_taken(patch: &mut Patch, taken: Taken<'_>) {
         if let Some((s, k)) = found {
             let middle = 0.5 * (patch.p(a) + patch.p(b));
             patch.split(s, k, middle);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One triangle, in the plane z = 2, whose sides are `side` wanted lengths.
+    fn refined(side: f64) -> Patch {
+        let corner = |i: u32| {
+            let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 3.0).sin_cos();
+            DVec3::new(1.0 + cos, sin, 2.0)
+        };
+        let positions: Vec<DVec3> = (0..3).map(corner).collect();
+        let wanted = positions[0].distance(positions[1]) / side;
+        let mut patch = Patch::of_triangles(positions, vec![wanted; 3], 3, vec![[0, 1, 2]]);
+        let never = || Ok(());
+        assert!(refine(&mut patch, &[], 4, &mut Pace::new(&never)).unwrap());
+        patch
+    }
+
+    /// It was never refined, having no edge that could be split.
+    #[test]
+    fn a_lone_triangle_is_refined() {
+        assert_eq!(refined(1.2).positions.len(), 3);
+        let one = refined(1.5);
+        assert_eq!(one.positions.len(), 4);
+        assert!(one.p(3).distance(DVec3::new(1.0, 0.0, 2.0)) < 1e-12, "{}", one.p(3));
+        assert_eq!(one.triangles, [[0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+
+        let many = refined(6.0);
+        let area = |p: &Patch| {
+            let all = 0..p.triangles.len();
+            all.map(|t| p.area_normal(t).z).inspect(|z| assert!(*z > 0.0)).sum::<f64>()
+        };
+        assert!((area(&many) - 1.5 * 3f64.sqrt()).abs() < 1e-9);
+        assert!(many.positions.iter().all(|p| p.z == 2.0));
+        for t in 0..many.triangles.len() as u32 {
+            for k in 0..3 {
+                let inner = many.across[t as usize][k] != NONE;
+                assert!(!inner || stretch(&many, t, k) < 1.5, "{}", stretch(&many, t, k));
+            }
         }
     }
 }

@@ -132,9 +132,14 @@ impl Sheet {
         }
     }
 
+    /// Whether a vertex is one of the fill's own.
+    pub fn is_new(&self, v: usize) -> bool {
+        v >= self.rim_count && v < self.patch_count
+    }
+
     /// Whether all faces around a vertex are in the sheet.
     pub fn is_complete(&self, v: usize) -> bool {
-        v < self.patch_count && v >= self.rim_count || (self.ring[v] as usize) < self.rings
+        self.is_new(v) || (self.ring[v] as usize) < self.rings
     }
 }
 

@@ -31,9 +31,13 @@ pub struct AllPairs {
 
 /// In the order in which they are worth trying. Full: the hierarchy misses the ridge across a
 /// broken edge, and 300³/6 triangles take some 20 ms. Then sparse: fewer chords keep closer to the
-/// rim, which helps where a wall lies close behind it.
-pub const ALL_PAIRS: [AllPairs; 2] =
-    [AllPairs { whole: 300, coarsest: 200 }, AllPairs { whole: 64, coarsest: 64 }];
+/// rim, which helps where a wall lies close behind it. Last full again, for what takes up to a second:
+/// around islands in a wide hole the hierarchy misses the chords from loop to loop.
+pub const ALL_PAIRS: [AllPairs; 3] = [
+    AllPairs { whole: 300, coarsest: 200 },
+    AllPairs { whole: 64, coarsest: 64 },
+    AllPairs { whole: 1000, coarsest: 200 },
+];
 
 impl AllPairs {
     /// Whether a polygon is small enough for all its chords.

@@ -96,17 +96,14 @@ impl Bvh {
 
     /// Builds the tree over pairs (face index, corners).
     pub fn from_triangles(triangles: impl Iterator<Item = (u32, Triangle)>) -> Self {
-        let (faces, triangles): (Vec<u32>, Vec<Triangle>) = triangles.unzip();
+        let (mut faces, mut triangles): (Vec<u32>, Vec<Triangle>) = triangles.unzip();
         let mut items = grid_centers(&triangles);
         let mut nodes = Vec::with_capacity(triangles.len());
         if !items.is_empty() {
             build_node(&mut nodes, &mut items, 0, &triangles);
         }
-        Self {
-            nodes,
-            faces: items.iter().map(|i| faces[i.index as usize]).collect(),
-            triangles: items.iter().map(|i| triangles[i.index as usize]).collect(),
-        }
+        put_in_order(&mut items, &mut faces, &mut triangles);
+        Self { nodes, faces, triangles }
     }
 
     /// Box of everything; [`Aabb::EMPTY`] without faces.
@@ -155,11 +152,17 @@ impl Bvh {
     /// Of faces at equal distance the one with the smallest index is returned. `None` if there is
     /// no face so near, or if `p` or `max_dist` is NaN.
     pub fn closest_point(&self, p: DVec3, max_dist: f64) -> Option<ClosestPoint> {
-        if p.is_nan() || max_dist.is_nan() || max_dist < 0.0 || self.nodes.is_empty() {
+        self.closest_point_within(p, max_dist * max_dist)
+    }
+
+    /// The same with the square of the distance; one that is known, from a face nearby, saves most of
+    /// the search.
+    pub fn closest_point_within(&self, p: DVec3, max_squared: f64) -> Option<ClosestPoint> {
+        if p.is_nan() || max_squared.is_nan() || max_squared < 0.0 || self.nodes.is_empty() {
             return None;
         }
         let mut best: Option<ClosestPoint> = None;
-        let mut limit = max_dist * max_dist;
+        let mut limit = max_squared;
         let mut stack = [(0.0, 0u32); STACK];
         stack[0] = (self.nodes[0].bounds.distance_squared(p), 0);
         let mut depth = 1;
@@ -275,6 +278,23 @@ fn line_parameter(origin: DVec3, direction: DVec3, t: &Triangle) -> Option<f64> 
     (u >= -slack && v >= -slack && u + v <= 1.0 + slack).then(|| e2.dot(q) / det)
 }
 
+/// Brings faces and triangles into the order of the items, in place: copies of all of them are most of
+/// what a build takes. Follows the cycles of the permutation.
+fn put_in_order(items: &mut [Item], faces: &mut [u32], triangles: &mut [Triangle]) {
+    for start in 0..items.len() {
+        let mut at = start;
+        loop {
+            let from = std::mem::replace(&mut items[at].index, at as u32) as usize;
+            if from == at || from == start {
+                break;
+            }
+            faces.swap(at, from);
+            triangles.swap(at, from);
+            at = from;
+        }
+    }
+}
+
 /// Appends the subtree over `items`, whose first entry has the number `first`; returns its box.
 fn build_node(nodes: &mut Vec<Node>, items: &mut [Item], first: u32, all: &[Triangle]) -> Aabb {
     let at = nodes.len();
@@ -333,20 +353,10 @@ fn longest_axis(items: &[Item]) -> usize {
 
 /// The point of a triangle closest to `p`; also for triangles without area.
 ///
-/// The best of the three edges and, where `p` projects into it, the inside. All candidates are
-/// convex combinations of the corners, so slivers cannot throw the point off the triangle.
+/// Where `p` projects into it that point, else the best of the edges that `p` lies beyond. All
+/// candidates are convex combinations of the corners, so slivers cannot throw the point off the
+/// triangle.
 pub fn closest_point_on_triangle(p: DVec3, t: &Triangle) -> DVec3 {
-    let mut best = closest_point_on_segment(p, t[0], t[1]);
-    let mut best_dist = best.distance_squared(p);
-    let mut offer = |point: DVec3| {
-        let d = point.distance_squared(p);
-        if d < best_dist {
-            best_dist = d;
-            best = point;
-        }
-    };
-    offer(closest_point_on_segment(p, t[1], t[2]));
-    offer(closest_point_on_segment(p, t[2], t[0]));
     let n = (t[1] - t[0]).cross(t[2] - t[0]);
     let weight = |k: usize| {
         let (x, y) = (t[(k + 1) % 3], t[(k + 2) % 3]);
@@ -354,9 +364,20 @@ pub fn closest_point_on_triangle(p: DVec3, t: &Triangle) -> DVec3 {
     };
     let w = DVec3::new(weight(0), weight(1), weight(2));
     let sum = w.element_sum();
-    if w.min_element() >= 0.0 && sum > 0.0 {
+    if w.min_element() > 0.0 {
         // Relative to a corner: less rounding far from the origin.
-        offer(t[0] + (t[1] - t[0]) * (w.y / sum) + (t[2] - t[0]) * (w.z / sum));
+        return t[0] + (t[1] - t[0]) * (w.y / sum) + (t[2] - t[0]) * (w.z / sum);
+    }
+    let (mut best, mut least) = (t[0], f64::INFINITY);
+    // What is nearest lies on an edge that separates `p` from the triangle: from any other edge the
+    // way to `p` would lead through the inside.
+    let no_area = n == DVec3::ZERO || w.max_element() <= 0.0;
+    for k in (0..3).filter(|&k| w[k] <= 0.0 || no_area) {
+        let point = closest_point_on_segment(p, t[(k + 1) % 3], t[(k + 2) % 3]);
+        let distance = point.distance_squared(p);
+        if distance < least {
+            (best, least) = (point, distance);
+        }
     }
     best
 }

@@ -44,6 +44,27 @@ pub fn find_intersections(
     pairs
 }
 
+/// The faces of the fill that [`find_intersections`] would name, ascending, by their index in
+/// `faces`; only some of them if there are more than `most`. A fill that meets everything has
+/// millions of pairs: they are not kept.
+pub fn faces_that_meet(
+    positions: &[DVec3],
+    faces: &[[u32; 3]],
+    fill_start: usize,
+    most: usize,
+) -> Vec<u32> {
+    let first = fill_start.min(faces.len());
+    let mut meets = vec![false; faces.len() - first];
+    let mut count = 0;
+    any_intersection(positions, faces, fill_start, |pair| {
+        for f in pair.into_iter().filter(|&f| f as usize >= first) {
+            count += usize::from(!std::mem::replace(&mut meets[f as usize - first], true));
+        }
+        count > most
+    });
+    (first as u32..).zip(meets).filter(|x| x.1).map(|x| x.0).collect()
+}
+
 /// Whether [`find_intersections`] would find nothing; stops at the first pair.
 pub fn is_intersection_free(positions: &[DVec3], faces: &[[u32; 3]], fill_start: usize) -> bool {
     !any_intersection(positions, faces, fill_start, |_| true)

@@ -20,13 +20,21 @@ pub struct Cloud {
 const MOST_POINTS: f64 = 1.2e5;
 
 impl Cloud {
+    /// The spacing that a cloud has when `spacing` is asked for.
+    pub fn spacing(source: &Source, spacing: f64) -> f64 {
+        spacing.max((source.area / MOST_POINTS).sqrt())
+    }
+
     /// The source at a spacing (or as near to it as may be): its vertices, or points on its faces
     /// where the mesh is coarser than that.
     pub fn of_source(source: &Source, spacing: f64) -> Self {
-        let spacing = spacing.max((source.area / MOST_POINTS).sqrt());
+        let spacing = Self::spacing(source, spacing);
         if source.edge < spacing {
-            let all = 0..source.positions.len();
-            let point = |v: usize| (source.positions[v], source.normals[v], source.roughness[v]);
+            let all = source.points.ids().iter();
+            let point = |&v: &u32| {
+                let v = v as usize;
+                (source.positions[v], source.normals[v], source.roughness[v])
+            };
             return Self::thin(all.map(point), spacing);
         }
         let mut samples = Vec::new();
@@ -55,22 +63,24 @@ impl Cloud {
     /// sides of a thin wall are not averaged. Points without a normal are left out.
     pub fn thin(points: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone, spacing: f64) -> Self {
         let low = points.clone().fold(DVec3::INFINITY, |low, (p, ..)| low.min(p));
-        let mut cells: Vec<([u32; 3], u8, DVec3, DVec3, f64)> = points
-            .filter(|(_, n, _)| *n != DVec3::ZERO)
-            .map(|(p, n, rough)| {
-                let cell = ((p - low) / spacing).to_array().map(|x| x as u32);
-                let octant = n.cmplt(DVec3::ZERO).bitmask() as u8;
-                (cell, octant, p, n, rough)
+        let points: Vec<_> = points.filter(|(_, n, _)| *n != DVec3::ZERO).collect();
+        let mut cells: Vec<([u32; 3], u8, u32)> = points
+            .iter()
+            .enumerate()
+            .map(|(i, (p, n, _))| {
+                let cell = ((*p - low) / spacing).to_array().map(|x| x as u32);
+                (cell, n.cmplt(DVec3::ZERO).bitmask() as u8, i as u32)
             })
             .collect();
-        // Stable, so that the sums below run in input order.
-        cells.sort_by_key(|c| (c.0, c.1));
+        // By index at last, so that the sums below run in input order.
+        cells.sort_unstable();
         let (mut means, mut normals, mut roughness) = (Vec::new(), Vec::new(), Vec::new());
         for same in cells.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let count = same.len() as f64;
-            means.push(same.iter().map(|c| c.2).sum::<DVec3>() / count);
-            normals.push(same.iter().map(|c| c.3).sum::<DVec3>().normalize_or_zero());
-            roughness.push(same.iter().map(|c| c.4).sum::<f64>() / count);
+            let members = || same.iter().map(|c| &points[c.2 as usize]);
+            means.push(members().map(|m| m.0).sum::<DVec3>() / count);
+            normals.push(members().map(|m| m.1).sum::<DVec3>().normalize_or_zero());
+            roughness.push(members().map(|m| m.2).sum::<f64>() / count);
         }
         Self { tree: PointTree::of_all(&means), points: means, normals, roughness }
     }

@@ -237,14 +237,14 @@ impl RingPattern {
         self.bins[0].len() > ANGLES
     }
 
-    /// The best turns of one source map, mirrored and not, added to `found`.
-    pub fn compare(&self, map: &HeightMap, found: &mut Vec<Candidate>) {
+    /// The best turns of one source map, as it is and (if wanted) mirrored, added to `found`.
+    pub fn compare(&self, map: &HeightMap, mirror: bool, found: &mut Vec<Candidate>) {
         if map.coverage_inside(self.inner) < COVER {
             return;
         }
         let bland = blandness(self.roughness, map.roughness);
         let doubled = Doubled::new(map);
-        for mirrored in [false, true] {
+        for mirrored in [false, true].into_iter().take(1 + usize::from(mirror)) {
             let all = self.correlate(&self.bins[usize::from(mirrored)], &doubled);
             let mut best: Vec<(f64, usize, DVec3)> = (0..ANGLES)
                 .filter_map(|turn| {

@@ -7,6 +7,7 @@
 
 use super::rigid::Rigid;
 use super::source::Source;
+use crate::intersect::closest_point_on_triangle;
 use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{Matrix6, Vector6};
 
@@ -16,6 +17,10 @@ const AGREE: f64 = 0.3;
 pub const KEEP: f64 = 0.85;
 /// An iteration that moves no point by more than this part of an edge is the last.
 const STILL: f64 = 5e-3;
+/// The same where partners are vertices, which decides only what is looked at closer.
+const ROUGHLY: f64 = 3e-2;
+/// No face.
+const NONE: u32 = u32::MAX;
 
 /// A known point of the ring with its normal.
 pub type RingPoint = (DVec3, DVec3);
@@ -43,14 +48,21 @@ pub fn align(
     // From target to source: the source's trees do not move.
     let mut back = start.inverse();
     let extent = ring.iter().fold(0.0, |d: f64, (p, _)| d.max(p.distance(ring[0].0)));
+    let still = match partner {
+        Partner::Vertex => ROUGHLY,
+        Partner::Surface => STILL,
+    };
+    // The face of each point's last partner: the next is hardly farther.
+    let mut hints = vec![NONE; ring.len()];
     for _ in 0..steps {
-        let Some(step) = improve(source, ring, &back, partner, radius, keep) else { break };
+        let step = improve(source, ring, &back, partner, radius, keep, &mut hints);
+        let Some(step) = step else { break };
         let turn = (step.linear - DMat3::IDENTITY).to_cols_array();
         let turned = turn.iter().map(|x| x * x).sum::<f64>().sqrt() * extent;
         let centre = back.point(ring[0].0);
         let moved = step.point(centre).distance(centre);
         back = step.after(&back);
-        if turned + moved < STILL * source.edge {
+        if turned + moved < still * source.edge {
             break;
         }
     }
@@ -64,11 +76,12 @@ fn improve(
     partner: Partner,
     radius: f64,
     keep: f64,
+    hints: &mut [u32],
 ) -> Option<Rigid> {
     let mut pairs: Vec<(f64, DVec3, DVec3)> = Vec::with_capacity(ring.len());
-    for &(p, n) in ring {
+    for (&(p, n), hint) in ring.iter().zip(hints) {
         let (p, n) = (back.point(p), back.direction(n));
-        if let Some((q, m)) = find_partner(source, p, partner, radius) {
+        if let Some((q, m)) = find_partner(source, p, partner, radius, hint) {
             if n.dot(m) > AGREE {
                 pairs.push(((q - p).dot(m), p, m));
             }
@@ -106,6 +119,7 @@ fn find_partner(
     p: DVec3,
     partner: Partner,
     radius: f64,
+    hint: &mut u32,
 ) -> Option<(DVec3, DVec3)> {
     match partner {
         Partner::Vertex => {
@@ -115,7 +129,13 @@ fn find_partner(
             usable.then(|| (source.positions[v], source.normals[v]))
         }
         Partner::Surface => {
-            let hit = source.tree.closest_point(p, radius)?;
+            let mut most = radius * radius;
+            if *hint != NONE {
+                let corners = source.faces[*hint as usize].map(|v| source.positions[v as usize]);
+                most = most.min(closest_point_on_triangle(p, &corners).distance_squared(p));
+            }
+            let hit = source.tree.closest_point_within(p, most)?;
+            *hint = hit.face;
             if source.touches_boundary(hit.face) {
                 return None;
             }
@@ -133,10 +153,11 @@ pub fn misfit(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f6
     for &(p, n) in ring {
         let most = 0.5 * radius;
         let (p, n) = (back.point(p), back.direction(n));
-        let (gap, cosine) = match find_partner(source, p, Partner::Vertex, radius) {
-            Some((q, m)) => ((q - p).dot(m).abs().min(most), n.dot(m)),
-            None => (most, 0.0),
-        };
+        let (gap, cosine) =
+            match find_partner(source, p, Partner::Vertex, radius, &mut NONE.clone()) {
+                Some((q, m)) => ((q - p).dot(m).abs().min(most), n.dot(m)),
+                None => (most, 0.0),
+            };
         square += gap * gap;
         turned += 1.0 - cosine;
     }

@@ -7,15 +7,12 @@ use super::source::Source;
 use crate::error::Result;
 use crate::parallel;
 use glam::DVec3;
+use std::sync::{Arc, OnceLock};
 
 /// Radius of the height maps, in hole radii: the hole and a ring as wide as its radius.
 const REACH: f64 = 2.0;
 /// Widths of the ring that are compared, in hole radii.
 const WIDTHS: [f64; 2] = [0.5, 1.0];
-/// Of the windows along a long hole, which are many, each compares the first width only, with this many
-/// of the nearest maps and every so many-th of the others.
-const NEAREST: usize = 1000;
-const STRIDE: usize = 6;
 /// Source centres lie this far apart, in hole radii: within reach of the ICP.
 const SPACING: f64 = 0.3;
 /// And there are about this many at most.
@@ -24,61 +21,126 @@ const MOST_CENTRES: f64 = 4000.0;
 const BATCH: usize = 32;
 /// Normals are averaged over this radius, in hole radii, to give a map its plane.
 const PLANE: f64 = 0.7;
-/// Candidates kept for the ICP, of each width.
-const KEPT: usize = 24;
-/// Of these the best after a first alignment are aligned on the surface itself.
-const FINE: usize = 20;
-/// And of these so many also on a wider ring.
-const WIDENED: usize = 6;
+/// How much a target is worth. All grow with its fill up to some five hundred vertices, so that many
+/// small holes cost no more than a large one. Twice as many candidates gain nothing.
+struct Effort {
+    /// Source maps that it is compared with: half of them the nearest, the others spread over the rest.
+    maps: usize,
+    /// Widths of the ring that are compared.
+    widths: &'static [f64],
+    /// Candidates kept for the ICP, of each width.
+    kept: usize,
+    /// Of these the best after a first alignment are aligned on the surface itself.
+    fine: usize,
+    /// And of these so many also on a wider ring.
+    widened: usize,
+}
+
+impl Effort {
+    fn of(target: &Target<'_>, targets: usize) -> Self {
+        let n = target.fill.len();
+        match targets {
+            1 => Self {
+                maps: (10 * n).max(600),
+                widths: &WIDTHS,
+                kept: (n / 10).clamp(10, 24),
+                fine: (n / 10).clamp(8, 20),
+                widened: (n / 30).clamp(2, 6),
+            },
+            // The windows along a long hole are many.
+            _ => Self { maps: 1000, widths: &WIDTHS[..1], kept: 12, fine: 8, widened: 0 },
+        }
+    }
+}
+
 /// Ring points of the first and of the second alignment, at most.
 const POINTS: [usize; 2] = [160, 400];
 
-/// The source at one scale: a thinned cloud and the height maps around centres spread over it.
+/// The source at one scale: a thinned cloud and the height maps around centres spread over it, each
+/// made when it is first asked for.
 pub struct Maps {
     /// Hole radius that they are for, in mesh units.
     pub radius: f64,
-    cloud: Cloud,
-    maps: Vec<HeightMap>,
+    /// Of the source.
+    cloud: Arc<Cloud>,
+    /// Of the object that is filled: the same where all of it may be copied from.
+    known: Arc<Cloud>,
+    /// Whether mirrored copies may be made.
+    mirrored: bool,
+    centres: Cloud,
+    maps: Vec<OnceLock<Option<HeightMap>>>,
 }
 
 /// The ratio of one scale to the next: holes whose radii differ by less share their maps.
 const SCALE_STEP: f64 = 1.08;
 /// Spacing of the thinned source, in hole radii: two points a bin of the height maps.
 const CLOUD_SPACING: f64 = 0.11;
+/// The ratio of one cloud's spacing to the next.
+const CLOUD_STEP: f64 = 1.1;
 
-/// The scale that serves a hole radius: the least power of 1.08 (times the source's edge) above it.
-pub fn scale_of(source: &Source, radius: f64) -> i32 {
-    ((radius / source.edge).ln() / SCALE_STEP.ln()).ceil() as i32
+/// The scale that serves a hole radius: the least power of 1.08 (times the object's edge) above it.
+pub fn scale_of(edge: f64, radius: f64) -> i32 {
+    ((radius / edge).ln() / SCALE_STEP.ln()).ceil() as i32
+}
+
+/// The hole radius of a scale.
+pub fn radius_at(edge: f64, scale: i32) -> f64 {
+    edge * SCALE_STEP.powi(scale)
+}
+
+/// The cloud that serves a hole radius: the power of [`CLOUD_STEP`] of its spacing, in edges.
+pub fn cloud_scale(source: &Source, radius: f64) -> i32 {
+    let spacing = Cloud::spacing(source, CLOUD_SPACING * radius);
+    ((spacing / source.edge).ln() / CLOUD_STEP.ln()).round() as i32
+}
+
+/// The cloud of a [`cloud_scale`].
+pub fn cloud_at(source: &Source, cloud_scale: i32) -> Cloud {
+    Cloud::of_source(source, source.edge * CLOUD_STEP.powi(cloud_scale))
 }
 
 impl Maps {
-    /// The source at a scale, see [`scale_of`].
+    /// Around centres on a source, for holes of about a radius (mesh units) in the object that the
+    /// cloud `known` is of.
     pub fn new(
         source: &Source,
-        scale: i32,
-        threads: usize,
-        check: &dyn Fn() -> Result<()>,
-    ) -> Result<Self> {
-        let radius = source.edge * SCALE_STEP.powi(scale);
-        let cloud = Cloud::of_source(source, CLOUD_SPACING * radius);
-        check()?;
+        radius: f64,
+        cloud: Arc<Cloud>,
+        known: Arc<Cloud>,
+        mirrored: bool,
+    ) -> Self {
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
         let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0);
         let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing);
-        let batches = centres.points.len().div_ceil(BATCH);
-        let reach = REACH * radius;
-        let one = |b: usize| {
-            let range = b * BATCH..centres.points.len().min((b + 1) * BATCH);
-            let map = |c: usize| {
-                let (centre, normal) = (centres.points[c], centres.normals[c]);
-                let ids = cloud.tree.within(centre, reach);
-                let frame = frame_at(&cloud, &ids, centre, normal, radius)?;
-                Some(HeightMap::new(&cloud, &ids, frame, reach))
-            };
-            range.filter_map(map).collect::<Vec<_>>()
+        let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
+        Self { radius, cloud, known, mirrored, centres, maps }
+    }
+
+    /// The map around a centre; `None` where the surface has no side to be seen from.
+    fn map(&self, c: usize) -> Option<&HeightMap> {
+        let make = || {
+            let (centre, normal) = (self.centres.points[c], self.centres.normals[c]);
+            let reach = REACH * self.radius;
+            let ids = self.cloud.tree.within(centre, reach);
+            let frame = frame_at(&self.cloud, &ids, centre, normal, self.radius)?;
+            Some(HeightMap::new(&self.cloud, &ids, frame, reach))
         };
-        let maps = parallel::map(batches, threads, check, &one)?.into_iter().flatten().collect();
-        Ok(Self { radius, cloud, maps })
+        self.maps[c].get_or_init(make).as_ref()
+    }
+
+    /// The centres that a target is compared with, in order.
+    fn choose(&self, target: &Target<'_>, most: usize) -> Vec<u32> {
+        let mut ids: Vec<u32> = (0..self.maps.len() as u32).collect();
+        if ids.len() > most {
+            let off = |i: &u32| self.centres.points[*i as usize].distance_squared(target.centre);
+            ids.sort_by(|a, b| off(a).total_cmp(&off(b)).then(a.cmp(b)));
+            let mut far = ids.split_off(most / 2);
+            far.sort_unstable();
+            let stride = far.len() as f64 / (most - most / 2) as f64;
+            let spread = (0..most - most / 2).map(|k| far[(k as f64 * stride) as usize]);
+            ids.extend(spread);
+        }
+        ids
     }
 }
 
@@ -99,6 +161,7 @@ pub struct Target<'a> {
 /// The best aligned places for each of several targets of one radius, best first: the source's maps
 /// are made once for all.
 pub fn find_candidates(
+    known: &Source,
     source: &Source,
     maps: &Maps,
     targets: &[Target<'_>],
@@ -108,15 +171,18 @@ pub fn find_candidates(
     let matches = search_maps(maps, targets, threads, check)?;
     let mut all = Vec::new();
     for (target, matches) in targets.iter().zip(matches) {
-        all.push(align_all(source, target, &matches, threads, check)?);
+        let effort = Effort::of(target, targets.len());
+        all.push(align_all(known, source, target, &matches, &effort, threads, check)?);
     }
     Ok(all)
 }
 
 fn align_all(
+    known: &Source,
     source: &Source,
     target: &Target<'_>,
     matches: &[Candidate],
+    effort: &Effort,
     threads: usize,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Candidate>> {
@@ -130,17 +196,18 @@ fn align_all(
     };
     let first = |i: usize| improve(&matches[i], &coarse, Partner::Vertex, 12);
     let found = parallel::map(matches.len(), threads, check, &first)?;
-    let found = merge(found, target, FINE);
+    let found = merge(found, target, effort.fine);
     let second = |i: usize| improve(&found[i], &fine, Partner::Surface, 15);
-    let mut found = merge(parallel::map(found.len(), threads, check, &second)?, target, FINE);
+    let mut found =
+        merge(parallel::map(found.len(), threads, check, &second)?, target, effort.fine);
     // The best also by a wider ring, whole: where the near one is plain, or not quite alike.
-    let wide = wide_ring(source, target);
+    let wide = wide_ring(known, target);
     let third = |i: usize| {
         let Candidate { transform, bland, .. } = found[i];
         let transform = align(source, &wide, transform, Partner::Surface, 15, 0.5 * radius, 1.0);
         Candidate { transform, cost: bland * misfit(source, &fine, &transform, radius), bland }
     };
-    let variants = parallel::map(found.len().min(WIDENED), threads, check, &third)?;
+    let variants = parallel::map(found.len().min(effort.widened), threads, check, &third)?;
     found.extend(variants);
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     Ok(found)
@@ -153,20 +220,22 @@ fn search_maps(
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Vec<Candidate>>> {
     let reach = REACH * maps.radius;
-    let widths = if targets.len() > 1 { &WIDTHS[..1] } else { &WIDTHS[..] };
+    let efforts: Vec<Effort> = targets.iter().map(|t| Effort::of(t, targets.len())).collect();
+    let Some(widths) = efforts.first().map(|e| e.widths) else { return Ok(Vec::new()) };
     // Pattern p is width p % widths of target p / widths.
     let patterns: Vec<RingPattern> = targets
         .iter()
         .flat_map(|target| {
             let frame = Frame::new(target.centre, target.normal);
-            let around = maps.cloud.tree.within(target.centre, 1.5 * reach);
-            let known = HeightMap::new(&maps.cloud, &around, frame, reach);
+            let around = maps.known.tree.within(target.centre, 1.5 * reach);
+            let known = HeightMap::new(&maps.known, &around, frame, reach);
             let ring =
                 |w: &f64| RingPattern::new(&known, target.fill, reach, (1.0 + w) * target.radius);
             widths.iter().map(ring).collect::<Vec<_>>()
         })
         .collect();
-    let chosen: Vec<Vec<u32>> = targets.iter().map(|t| maps.choose(t, targets.len() > 1)).collect();
+    let chosen: Vec<Vec<u32>> =
+        targets.iter().zip(&efforts).map(|(t, e)| maps.choose(t, e.maps)).collect();
     let jobs: Vec<(usize, usize)> = (0..patterns.len())
         .filter(|&p| patterns[p].is_useful())
         .flat_map(|p| (0..chosen[p / widths.len()].len()).step_by(BATCH).map(move |b| (p, b)))
@@ -176,7 +245,9 @@ fn search_maps(
         let ids = &chosen[p / widths.len()];
         let mut found = Vec::new();
         for &m in &ids[start..ids.len().min(start + BATCH)] {
-            patterns[p].compare(&maps.maps[m as usize], &mut found);
+            if let Some(map) = maps.map(m as usize) {
+                patterns[p].compare(map, maps.mirrored, &mut found);
+            }
         }
         found
     };
@@ -185,24 +256,10 @@ fn search_maps(
     jobs.iter().zip(results).for_each(|(job, found)| by_pattern[job.0].extend(found));
     let best = |(p, found): (usize, Vec<Candidate>)| {
         let target = &targets[p / widths.len()];
-        keep_different(found, target.centre, target.radius, 0.6, KEPT)
+        keep_different(found, target.centre, target.radius, 0.6, efforts[p / widths.len()].kept)
     };
     let kept: Vec<Vec<Candidate>> = by_pattern.into_iter().enumerate().map(best).collect();
     Ok(kept.chunks(widths.len()).map(|c| c.concat()).collect())
-}
-
-impl Maps {
-    /// The maps that a target is compared with.
-    fn choose(&self, target: &Target<'_>, few: bool) -> Vec<u32> {
-        let mut ids: Vec<u32> = (0..self.maps.len() as u32).collect();
-        if few && ids.len() > NEAREST {
-            let off = |i: &u32| self.maps[*i as usize].frame.centre.distance_squared(target.centre);
-            ids.sort_by(|a, b| off(a).total_cmp(&off(b)).then(a.cmp(b)));
-            let far = ids.split_off(NEAREST);
-            ids.extend(far.into_iter().step_by(STRIDE));
-        }
-        ids
-    }
 }
 
 /// The frame of a source map: the centre moved onto the surface's mean plane, the mean normal.
@@ -225,11 +282,11 @@ fn frame_at(
 }
 
 /// Known points up to a whole radius from the hole, on the target's side.
-fn wide_ring(source: &Source, target: &Target<'_>) -> Vec<RingPoint> {
-    let near = source.points.within(target.centre, 2.0 * target.radius);
+fn wide_ring(known: &Source, target: &Target<'_>) -> Vec<RingPoint> {
+    let near = known.points.within(target.centre, 2.0 * target.radius);
     let points: Vec<RingPoint> = near
         .iter()
-        .map(|&v| (source.positions[v as usize], source.normals[v as usize]))
+        .map(|&v| (known.positions[v as usize], known.normals[v as usize]))
         .filter(|(_, n)| n.dot(target.normal) > 0.0)
         .collect();
     thin_ring(&points, POINTS[1])
@@ -294,6 +351,12 @@ mod tests {
         Source::new(MeshView::new(&vertices[..], &faces[..]), boundary.into_iter())
     }
 
+    fn maps_of(source: &Source) -> Maps {
+        let radius = radius_at(source.edge, scale_of(source.edge, RADIUS));
+        let cloud = Arc::new(cloud_at(source, cloud_scale(source, radius)));
+        Maps::new(source, radius, cloud.clone(), cloud, true)
+    }
+
     fn polar(t: &Rigid, radii: std::ops::Range<f64>) -> Vec<RingPoint> {
         let at = |k: usize| {
             let (r, turn) = (k as f64 / 1000.0, 0.7 * k as f64);
@@ -321,12 +384,14 @@ mod tests {
             };
             let check = || Ok(());
             let run = |threads| {
-                let maps = Maps::new(&source, scale_of(&source, RADIUS), threads, &check).unwrap();
+                let maps = maps_of(&source);
                 assert!(maps.radius >= RADIUS && maps.radius <= 1.081 * RADIUS);
-                find_candidates(&source, &maps, &[target()], threads, &check).unwrap().remove(0)
+                find_candidates(&source, &source, &maps, &[target()], threads, &check)
+                    .unwrap()
+                    .remove(0)
             };
             let found = run(1);
-            assert!(found.len() <= FINE + WIDENED && found.is_sorted_by(|a, b| a.cost <= b.cost));
+            assert!(found.len() <= 26 && found.is_sorted_by(|a, b| a.cost <= b.cost));
             let best = found[0].transform;
             let off = ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, _)| {
                 m.max(best.point(truth.inverse().point(*p)).distance(*p))
@@ -346,9 +411,13 @@ mod tests {
     #[test]
     fn cancel_is_heard() {
         let source = hilly_source(30);
+        let ring = polar(&Rigid::IDENTITY, 0.35..0.6);
+        let fill: Vec<DVec3> = polar(&Rigid::IDENTITY, 0.0..0.35).iter().map(|p| p.0).collect();
+        let (centre, normal) = (fill[0], DVec3::Z);
+        let target = Target { centre, normal, radius: RADIUS, fill: &fill, ring: &ring };
         let stop = || Err(Error::Cancelled);
-        let made = Maps::new(&source, scale_of(&source, RADIUS), 1, &stop);
-        assert_eq!(made.err(), Some(Error::Cancelled));
+        let found = find_candidates(&source, &source, &maps_of(&source), &[target], 1, &stop);
+        assert_eq!(found.err(), Some(Error::Cancelled));
     }
 
     #[test]

@@ -1,17 +1,19 @@
-//! The source: everything that is known of the object, ready to be searched.
+//! The source: what is known of the object, or the part of it and of an exemplar that may be copied
+//! from, ready to be searched.
 
 use crate::intersect::Bvh;
 use crate::mesh::MeshView;
+use crate::options::Sources;
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-/// The input mesh with normals and search trees. Made once a mesh.
+/// A mesh with normals and search trees: what is known of the object, or what may be copied from.
 pub struct Source {
     /// Positions of all input vertices, in mesh units.
     pub positions: Vec<DVec3>,
     /// Unit normals, area-weighted; zero where there is no area.
     pub normals: Vec<DVec3>,
-    /// All faces that have three different vertices.
+    /// All faces that have an area and may be copied from.
     pub faces: Vec<[u32; 3]>,
     /// Input index of each of them.
     pub face_ids: Vec<u32>,
@@ -55,6 +57,11 @@ impl PointTree {
         Some((self.ids[found.item as usize], found.distance))
     }
 
+    /// The indices of the points, in ascending order.
+    pub fn ids(&self) -> &[u32] {
+        &self.ids
+    }
+
     /// All points within a radius, in ascending order of their indices.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<u32> {
         let Some(tree) = &self.tree else { return Vec::new() };
@@ -71,45 +78,28 @@ impl PointTree {
 impl Source {
     /// Copies the mesh and builds the trees: linear but for the trees' sorting.
     pub fn new(mesh: MeshView<'_>, boundary: impl Iterator<Item = u32>) -> Self {
-        let n = mesh.vertices.len();
-        let positions: Vec<DVec3> = (0..n).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
-        let (mut faces, mut face_ids) = (Vec::with_capacity(mesh.faces.len()), Vec::new());
-        let mut normals = vec![DVec3::ZERO; n];
-        let mut used = vec![false; n];
-        let (mut area, mut length) = (0.0, 0.0);
-        for f in 0..mesh.faces.len() {
-            let face = mesh.faces.get(f);
-            let p = face.map(|v| positions[v as usize]);
-            let normal = (p[1] - p[0]).cross(p[2] - p[0]);
-            if normal == DVec3::ZERO {
-                continue;
-            }
-            for v in face {
-                normals[v as usize] += normal;
-                used[v as usize] = true;
-            }
-            area += 0.5 * normal.length();
-            length += p[0].distance(p[1]) + p[1].distance(p[2]) + p[2].distance(p[0]);
-            faces.push(face);
-            face_ids.push(f as u32);
+        Parts::of(mesh, boundary, &|_| true).build()
+    }
+
+    /// What may be copied from of a mesh, with the exemplar if there is one: the exemplar's faces are
+    /// numbered from the mesh's face count on.
+    pub fn chosen(
+        mesh: MeshView<'_>,
+        boundary: impl Iterator<Item = u32>,
+        sources: &Sources,
+    ) -> Self {
+        let may = |f: usize| match &sources.faces {
+            _ if sources.exemplar_only => false,
+            Some(faces) => faces[f],
+            None => true,
+        };
+        let mut parts = Parts::of(mesh, boundary, &may);
+        if let Some(exemplar) = &sources.exemplar {
+            let view = MeshView::new(&exemplar.vertices[..], &exemplar.faces[..]);
+            let boundary = boundary_of(&exemplar.faces);
+            parts.append(Parts::of(view, boundary.into_iter(), &|_| true), mesh.faces.len());
         }
-        normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
-        let mut on_boundary = vec![false; n];
-        boundary.for_each(|v| on_boundary[v as usize] = true);
-        let ids = (0..n as u32).filter(|&v| used[v as usize]).collect();
-        let edge = length / (3 * faces.len().max(1)) as f64;
-        Self {
-            roughness: roughness(&positions, &normals, &faces, edge),
-            tree: Bvh::new(&positions, &faces),
-            points: PointTree::new(&positions, ids),
-            area,
-            edge,
-            positions,
-            normals,
-            faces,
-            face_ids,
-            on_boundary,
-        }
+        parts.build()
     }
 
     /// Unit normal of a face; zero if it has no area.
@@ -139,6 +129,91 @@ impl Source {
     pub fn touches_boundary(&self, face: u32) -> bool {
         self.faces[face as usize].iter().any(|&v| self.on_boundary[v as usize])
     }
+}
+
+/// A source that is being put together.
+struct Parts {
+    positions: Vec<DVec3>,
+    normals: Vec<DVec3>,
+    on_boundary: Vec<bool>,
+    faces: Vec<[u32; 3]>,
+    face_ids: Vec<u32>,
+}
+
+impl Parts {
+    /// The faces of a mesh that may be copied from. Normals are those of the whole mesh.
+    fn of(
+        mesh: MeshView<'_>,
+        boundary: impl Iterator<Item = u32>,
+        may: &dyn Fn(usize) -> bool,
+    ) -> Self {
+        let n = mesh.vertices.len();
+        let positions: Vec<DVec3> = (0..n).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
+        let mut normals = vec![DVec3::ZERO; n];
+        let (mut faces, mut face_ids) = (Vec::with_capacity(mesh.faces.len()), Vec::new());
+        for f in 0..mesh.faces.len() {
+            let face = mesh.faces.get(f);
+            let p = face.map(|v| positions[v as usize]);
+            let normal = (p[1] - p[0]).cross(p[2] - p[0]);
+            if normal == DVec3::ZERO {
+                continue;
+            }
+            face.iter().for_each(|&v| normals[v as usize] += normal);
+            if may(f) {
+                faces.push(face);
+                face_ids.push(f as u32);
+            }
+        }
+        normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+        let mut on_boundary = vec![false; n];
+        boundary.for_each(|v| on_boundary[v as usize] = true);
+        Self { positions, normals, on_boundary, faces, face_ids }
+    }
+
+    fn append(&mut self, other: Self, first_face: usize) {
+        let first = self.positions.len() as u32;
+        self.positions.extend(other.positions);
+        self.normals.extend(other.normals);
+        self.on_boundary.extend(other.on_boundary);
+        self.faces.extend(other.faces.iter().map(|f| f.map(|v| v + first)));
+        self.face_ids.extend(other.face_ids.iter().map(|&f| f + first_face as u32));
+    }
+
+    fn build(self) -> Source {
+        let Self { positions, normals, on_boundary, faces, face_ids } = self;
+        let mut used = vec![false; positions.len()];
+        let (mut area, mut length) = (0.0, 0.0);
+        for face in &faces {
+            let p = face.map(|v| positions[v as usize]);
+            area += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).length();
+            length += p[0].distance(p[1]) + p[1].distance(p[2]) + p[2].distance(p[0]);
+            face.iter().for_each(|&v| used[v as usize] = true);
+        }
+        let ids = (0..positions.len() as u32).filter(|&v| used[v as usize]).collect();
+        let edge = length / (3 * faces.len().max(1)) as f64;
+        Source {
+            roughness: roughness(&positions, &normals, &faces, edge),
+            tree: Bvh::new(&positions, &faces),
+            points: PointTree::new(&positions, ids),
+            area,
+            edge,
+            positions,
+            normals,
+            faces,
+            face_ids,
+            on_boundary,
+        }
+    }
+}
+
+/// Vertices on edges that one face alone has.
+fn boundary_of(faces: &[[u32; 3]]) -> Vec<u32> {
+    let edge = |f: &[u32; 3], k: usize| (f[k].min(f[(k + 1) % 3]), f[k].max(f[(k + 1) % 3]));
+    let mut edges: Vec<(u32, u32)> =
+        faces.iter().flat_map(|f| [0, 1, 2].map(|k| edge(f, k))).collect();
+    edges.sort_unstable();
+    let single = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
+    single.flat_map(|same| [same[0].0, same[0].1]).collect()
 }
 
 fn roughness(positions: &[DVec3], normals: &[DVec3], faces: &[[u32; 3]], edge: f64) -> Vec<f64> {

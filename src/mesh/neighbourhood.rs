@@ -62,7 +62,7 @@ impl Bounds {
 }
 
 /// Faces near the holes, with vertices of their own numbering.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub struct Neighbourhood {
     /// Input index of each local vertex, ascending.
     pub vertices: Vec<u32>,

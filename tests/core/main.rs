@@ -7,4 +7,5 @@ mod holes;
 mod meshes;
 mod provenance;
 mod random;
+mod sources;
 mod surfaces;

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the new elements carry: normals, colors, quality.
+#ifndef ATTRIBUTES_H
+#define ATTRIBUTES_H
+
+#include <complete_mesh_attributes.hpp>
+
+#include "fill.h"
+
+// In the order of the filter's parameter.
+enum class Coloring { rim = 0, source = 1, provenance = 2, confidence = 3 };
+
+class Attributes {
+ public:
+  using Faces = std::vector<std::array<std::uint32_t, 3>>;
+
+  // Before the new elements are added.
+  Attributes(const MeshModel& model, const mesh_completion::Result<Scalarm>& result,
+             const Faces& faces);
+  // Afterwards.
+  void apply(MeshModel& model, Coloring coloring) const;
+
+ private:
+  void set_normals(CMeshO& mesh) const;
+  void carry(MeshModel& model, bool from_source) const;
+  void copy_face_attributes(MeshModel& model) const;
+  void color_provenance(CMeshO& mesh) const;
+  void color_confidence(CMeshO& mesh) const;
+
+  const mesh_completion::Result<Scalarm>& result_;
+  const Faces& faces_;
+  mesh_completion::Carrier carrier_;
+  // Vertices of the rim whose normal is that of their faces, and so goes with the new ones.
+  std::vector<std::uint32_t> follow_;
+};
+
+#endif

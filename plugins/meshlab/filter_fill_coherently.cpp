@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What MeshLab asks of a filter: names, help, parameters, log. The work is in fill.cpp.
+#include "filter_fill_coherently.h"
+
+#include "fill.h"
+
+FilterFillCoherently::FilterFillCoherently() {
+#if ML_API < 202100
+  typeList << FP_FILL_COHERENTLY;
+  for (const ML_ID type : types()) actionList << new QAction(filterName(type), this);
+#else
+  typeList = {FP_FILL_COHERENTLY};
+  for (const ML_ID type : types()) actionList.push_back(new QAction(filterName(type), this));
+#endif
+}
+
+QString FilterFillCoherently::filterInfo(ML_ID) const {
+  // The dialog shows about 15 lines.
+  return "Fill holes so that the fill continues what the rest of the object shows; where nothing on "
+         "it serves, the fill is a smooth surface. The mesh itself stays as it is: only new vertices "
+         "and faces are added. Cannot be cancelled: MeshLab has no button for that.<br>"
+         "See:<br>"
+         "<i>G. Harary, A. Tal, E. Grinspun</i><br>"
+         "<b>\"Context-based Coherent Surface Completion\"</b><br>"
+         "ACM Transactions on Graphics 33(1), 2014<br>"
+         "and for the smooth surface:<br>"
+         "<i>P. Liepa</i><br>"
+         "<b>\"Filling Holes in Meshes\"</b><br>"
+         "Symposium on Geometry Processing, 2003";
+}
+
+int FilterFillCoherently::postCondition(ML_ACTION) const {
+  return MeshModel::MM_GEOMETRY_AND_TOPOLOGY_CHANGE | MeshModel::MM_VERTCOLOR |
+         MeshModel::MM_FACEFLAGSELECT | MeshModel::MM_VERTFLAGSELECT;
+}
+
+// Names and words of "Close Holes" where the meaning is the same.
+void FilterFillCoherently::add_parameters(const MeshModel& model, RichParameterList& parameters) {
+  parameters.addParam(RichInt("MaxHoleSize", 0, "Max size to be closed",
+                              "The size is expressed as number of edges composing the hole boundary. "
+                              "0: holes of any size."));
+  parameters.addParam(RichBool("Selected", model.cm.sfn > 0, "Close holes with selected faces",
+                               "Only the holes with at least one of the boundary faces selected are "
+                               "closed."));
+  parameters.addParam(RichBool("NewFaceSelected", true, "Select the newly created faces",
+                               "The faces that have been created are left selected. Any previous "
+                               "selection is lost."));
+  parameters.addParam(RichEnum("Method", 0,
+                               QStringList() << "Coherent" << "Smooth" << "Harary et al. 2014",
+                               "Method",
+                               "Coherent: continues what the object shows. Smooth: a smooth surface. "
+                               "Harary et al. 2014: the paper as written, to compare with; slow."));
+  parameters.addParam(RichFloat("EdgeScale", 1, "Size of the new triangles",
+                                "Edge length of the new triangles, as a factor on that of the "
+                                "surroundings: 0.05 to 20."));
+  parameters.addParam(RichBool("SkipUnsafe", false, "Leave holes open that cannot be closed",
+                               "Off: a hole that cannot be closed safely is an error and nothing is "
+                               "changed; its vertices and faces are selected. On: it stays open and "
+                               "the others are closed."));
+  parameters.addParam(
+      RichEnum("Color", 0,
+               QStringList() << "From the rim" << "From the source" << "By provenance"
+                             << "By confidence",
+               "Color of the new vertices",
+               "From the rim: the rim's colors are continued. From the source: colors of the place "
+               "that a vertex was copied from. (Both only if the mesh has vertex colors.) By "
+               "provenance: each source of a fill has a color, and so has its place on the object. By "
+               "confidence: from red (invention) over yellow (plausible) to green (convincing)."));
+}
+
+#if ML_API < 202100
+
+bool FilterFillCoherently::applyFilter(QAction*, MeshDocument& document,
+                                       const RichParameterList& parameters,
+                                       vcg::CallBackPos* progress) {
+  const Outcome outcome = fill_holes(*document.mm(), parameters, progress);
+  for (const std::string& line : outcome.log) Log(line);
+  if (!outcome.error.empty()) {
+    errorMessage = QString::fromStdString(outcome.error);
+    // meshlabserver does not print the error message.
+    Log(GLLogStream::FILTER, "Fill Holes Coherently: " + outcome.error);
+  }
+  return outcome.error.empty();
+}
+
+#else
+
+std::map<std::string, QVariant> FilterFillCoherently::applyFilter(
+    const QAction*, const RichParameterList& parameters, MeshDocument& document, unsigned int&,
+    vcg::CallBackPos* progress) {
+  const Outcome outcome = fill_holes(*document.mm(), parameters, progress);
+  for (const std::string& line : outcome.log) log(line);
+  if (!outcome.error.empty()) throw MLException(QString::fromStdString(outcome.error));
+  return {{"holes", outcome.holes},
+          {"closed_holes", outcome.filled},
+          {"new_vertices", outcome.new_vertices},
+          {"new_faces", outcome.new_faces}};
+}
+
+#endif
+
+MESHLAB_PLUGIN_NAME_EXPORTER(FilterFillCoherently)

@@ -1,0 +1,11 @@
+#include "suite.hpp"
+
+int main() {
+  test_values();
+  test_options();
+  test_failures();
+  test_progress();
+  test_completer();
+  test_attributes();
+  return finish();
+}

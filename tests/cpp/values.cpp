@@ -1,0 +1,170 @@
+// Every accessor gives what the C function gives, to the bit.
+#include <cmath>
+#include <string>
+
+#include "suite.hpp"
+
+namespace {
+
+template <class Scalar>
+complete_mesh_result* fill_in_c(const Ball<Scalar>& ball) {
+  complete_mesh_options opts;
+  complete_mesh_options_init(&opts, sizeof opts);
+  opts.vertex_type = sizeof(Scalar) == 8 ? COMPLETE_MESH_VERTEX_TYPE_F64 : COMPLETE_MESH_VERTEX_TYPE_F32;
+  complete_mesh_result* result = nullptr;
+  CHECK(complete_mesh(ball.vertices.data(), ball.vertices.size(), ball.faces[0].data(),
+                      ball.faces.size(), &opts, &result) == COMPLETE_MESH_STATUS_OK);
+  return result;
+}
+
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+void check_hole(const mc::Hole& hole, const complete_mesh_holes* c_holes, std::size_t id) {
+  complete_mesh_hole c = {};
+  CHECK(complete_mesh_holes_get(c_holes, id, &c, sizeof c) == 1);
+  CHECK(hole.id == id && c.id == id);
+  CHECK(hole.kind == mc::HoleKind(c.kind) && hole.status == mc::HoleStatus(c.status));
+  CHECK(hole.status == mc::HoleStatus::filled);
+  CHECK(hole.fairing == mc::Fairing(c.fairing) && hole.method == mc::Method(c.method));
+  CHECK(hole.is_unsafe == (c.is_unsafe == 1));
+  CHECK(hole.loop_count == c.loop_count && hole.edge_count == c.edge_count);
+  CHECK(hole.circumference == c.circumference && hole.diameter == c.diameter);
+  CHECK(std::memcmp(hole.centre.data(), c.centre, sizeof c.centre) == 0);
+  CHECK(hole.first_new_vertex == c.first_new_vertex && hole.new_vertex_count == c.new_vertex_count);
+  CHECK(hole.first_new_face == c.first_new_face && hole.new_face_count == c.new_face_count);
+  CHECK(hole.source_count == c.source_count && hole.confidence == c.confidence);
+  CHECK(same(hole.coherence_error_before, c.coherence_error_before));
+  CHECK(same(hole.coherence_error_after, c.coherence_error_after));
+  CHECK(hole.seconds > 0);
+}
+
+void check_sources(const mc::Holes& holes, const complete_mesh_holes* c_holes, std::size_t id) {
+  const std::vector<mc::Source> sources = holes.sources(id);
+  CHECK(sources.size() == holes[id].source_count);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    complete_mesh_source c = {};
+    CHECK(complete_mesh_holes_source(c_holes, id, i, &c, sizeof c) == 1);
+    CHECK(sources[i].mirrored == (c.mirrored == 1) && sources[i].error == c.error);
+    CHECK(sources[i].weight == c.weight && sources[i].vertex_count == c.vertex_count);
+    CHECK(std::memcmp(sources[i].transform.data(), c.transform, sizeof c.transform) == 0);
+    const auto q = sources[i].apply({2, 3, 5});
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double* m = c.transform + 4 * k;
+      CHECK(q[k] == m[0] * 2 + m[1] * 3 + m[2] * 5 + m[3]);
+    }
+  }
+}
+
+void check_holes(const mc::Holes& holes, const complete_mesh_holes* c_holes) {
+  CHECK(holes.size() == 2 && !holes.empty());
+  std::size_t seen = 0;
+  for (const mc::Hole& hole : holes) {
+    check_hole(hole, c_holes, seen);
+    check_sources(holes, c_holes, seen);
+    std::size_t n = 0;
+    const std::uint32_t* loop = complete_mesh_holes_loop(c_holes, seen, 0, &n);
+    CHECK(same_bytes(holes.loop(seen, 0), loop, n, 4));
+    CHECK(holes.loop(seen, 1).empty() && holes.loop(99, 0).empty());
+    CHECK(holes.reason(seen) == "" && holes.problem_vertices(seen).empty());
+    ++seen;
+  }
+  CHECK(seen == 2);
+  CHECK(holes.non_manifold_edges().empty() && holes.inconsistent_edges().empty());
+  CHECK(holes.degenerate_faces().empty() && holes.duplicate_vertices().empty());
+}
+
+template <class Scalar>
+void check_result(const mc::Result<Scalar>& r, const complete_mesh_result* c, std::size_t size) {
+  const std::size_t nv = complete_mesh_result_new_vertex_count(c);
+  const std::size_t nf = complete_mesh_result_new_face_count(c);
+  const std::size_t all_vertices = complete_mesh_result_vertex_count(c);
+  const std::size_t all_faces = complete_mesh_result_face_count(c);
+  CHECK(complete_mesh_result_vertex_type(r.get()) == complete_mesh_result_vertex_type(c));
+  CHECK(r.input_vertex_count() == VERTICES && r.input_face_count() == FACES);
+  CHECK(r.filled_count() == 2 && r.seconds() > 0 && r.cpu_seconds() >= 0);
+  CHECK(same_bytes(r.vertices(), complete_mesh_result_vertices(c), all_vertices, 3 * size));
+  CHECK(same_bytes(r.faces(), complete_mesh_result_faces(c), all_faces, 12));
+  CHECK(same_bytes(r.new_vertices(), complete_mesh_result_new_vertices(c), nv, 3 * size));
+  CHECK(same_bytes(r.new_faces(), complete_mesh_result_new_faces(c), nf, 12));
+  CHECK(same_bytes(r.new_vertex_holes(), complete_mesh_result_new_vertex_holes(c), nv, 4));
+  CHECK(same_bytes(r.new_face_holes(), complete_mesh_result_new_face_holes(c), nf, 4));
+  CHECK(same_bytes(r.new_vertex_source_faces(), complete_mesh_result_new_vertex_source_faces(c), nv, 4));
+  CHECK(same_bytes(r.new_vertex_barycentrics(), complete_mesh_result_new_vertex_barycentrics(c), nv, 24));
+  CHECK(same_bytes(r.new_vertex_sources(), complete_mesh_result_new_vertex_sources(c), nv, 4));
+  CHECK(same_bytes(r.new_vertex_confidences(), complete_mesh_result_new_vertex_confidences(c), nv, 8));
+  check_holes(r.holes(), complete_mesh_result_holes(c));
+}
+
+template <class Scalar>
+void check_ball() {
+  const Ball<Scalar> ball = make_ball_of<Scalar>();
+  complete_mesh_result* c = fill_in_c(ball);
+  const mc::Result<Scalar> result = mc::complete(mc::view(ball.vertices, ball.faces));
+  check_result(result, c, sizeof(Scalar));
+  // rows by value, in a loop and by index
+  std::size_t i = 0, wrong = 0;
+  for (const auto [x, y, z] : result.vertices()) {
+    const auto p = result.vertices()[i];
+    wrong += p[0] != x || p[1] != y || p[2] != z;
+    if (i < ball.vertices.size()) wrong += ball.vertices[i] != p;
+    ++i;
+  }
+  CHECK(wrong == 0 && i == result.vertices().size());
+  complete_mesh_result_free(c);
+}
+
+// Positions between other fields, and faces with a material.
+void check_strides() {
+  struct Vertex {
+    double weight;
+    float position[3];
+    unsigned char colour[4];
+  };
+  struct Face {
+    std::uint32_t material, corners[3];
+  };
+  const Ball<float> ball = make_ball_of<float>();
+  std::vector<Vertex> vertices;
+  std::vector<Face> faces;
+  for (const auto& p : ball.vertices) vertices.push_back({7, {p[0], p[1], p[2]}, {1, 2, 3, 4}});
+  for (const auto& f : ball.faces) faces.push_back({9, {f[0], f[1], f[2]}});
+  mc::MeshView<float> view;
+  view.vertices = vertices[0].position;
+  view.vertex_count = vertices.size();
+  view.vertex_stride = sizeof(Vertex);
+  view.faces = faces[0].corners;
+  view.face_count = faces.size();
+  view.face_stride = sizeof(Face);
+  complete_mesh_result* c = fill_in_c(ball);
+  check_result(mc::complete(view), c, sizeof(float));
+  complete_mesh_result_free(c);
+}
+
+// What was asked of a temporary, and of an object that is gone.
+void check_lifetime() {
+  const Ball<float> ball = make_ball_of<float>();
+  mc::Options smooth;
+  smooth.method = mc::Method::smooth;
+  const auto make = [&] { return mc::complete(mc::view(ball.vertices, ball.faces), smooth); };
+  const mc::Holes holes = make().holes();
+  CHECK(holes.size() == 2 && holes[1].status == mc::HoleStatus::filled);
+  auto first = make();
+  const auto copy = first;
+  const auto points = copy.new_vertices();
+  const Points<float> before(points.begin(), points.end());
+  first = make();
+  CHECK(copy.get() != first.get());
+  CHECK(same_bytes(copy.new_vertices(), before.data(), before.size(), 12));
+}
+
+}  // namespace
+
+void test_values() {
+  CHECK(mc::version() == COMPLETE_MESH_VERSION);
+  CHECK(mc::abi_version() == COMPLETE_MESH_ABI_VERSION);
+  CHECK(std::string(mc::version_string()) == PACKAGE_VERSION);
+  check_ball<float>();
+  check_ball<double>();
+  check_strides();
+  check_lifetime();
+}
