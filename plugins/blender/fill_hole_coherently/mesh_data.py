@@ -7,6 +7,7 @@ import bmesh
 import numpy as np
 
 from . import looks
+from .session import NothingToFill
 
 
 @dataclass
@@ -18,7 +19,7 @@ class Arrays:
     triangles: np.ndarray
     """(m, 3) int32."""
     polygons: np.ndarray
-    """(m,) int32: the polygon of each triangle."""
+    """(m,) int32: the polygon of each triangle; those of another object's after them."""
     selected: np.ndarray
     """(n,) bool: vertices that the user has selected; none in Object Mode."""
 
@@ -38,6 +39,37 @@ def read(ob):
     if ob.mode == "EDIT":
         mesh.vertices.foreach_get("select", selected)
     return Arrays(vertices.reshape(-1, 3), triangles.reshape(-1, 3), polygons, selected)
+
+
+def group_sources(ob, arrays, name):
+    """Sources in a vertex group: the triangles whose vertices are all in it."""
+    group = ob.vertex_groups.get(name)
+    if group is None:
+        raise NothingToFill(f"Choose a vertex group to copy from: there is none called '{name}'")
+    inside = np.array(
+        [any(g.group == group.index and g.weight > 0 for g in v.groups) for v in ob.data.vertices], bool
+    )
+    faces = inside[arrays.triangles].all(axis=1)
+    if not faces.any():
+        raise NothingToFill(f"The vertex group '{name}' has no face to copy from")
+    return {"source_faces": faces}
+
+
+def object_sources(ob, arrays, other):
+    """Sources on another object alone, in the size that it has in the scene. Its polygons are
+    counted on from those of the mesh."""
+    if other is None or other.type != "MESH" or other.data == ob.data:
+        raise NothingToFill("Choose another mesh object to copy from")
+    theirs = read(other)
+    matrix = np.array(ob.matrix_world.inverted_safe() @ other.matrix_world)
+    places = theirs.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    polygons = np.concatenate([arrays.polygons, theirs.polygons + len(ob.data.polygons)])
+    arrays.polygons = polygons
+    return {
+        "exemplar_vertices": places.astype(np.float32),
+        "exemplar_faces": theirs.triangles,
+        "exemplar_only": True,
+    }
 
 
 def add_fill(ob, result, polygons, write_attributes):
