@@ -43,6 +43,7 @@ class Driven:
     """An operator in a window."""
 
     method, density, max_edges = "COHERENT", 1.0, 0
+    source, source_group, source_object, mirror = "MESH", "", "", True
     keep_largest_open, join_loops, skip_unsafe, write_attributes = False, True, False, True
     invoke, modal, cancel, execute = OPERATOR.invoke, OPERATOR.modal, OPERATOR.cancel, OPERATOR.execute
     _options, _arguments, _show = OPERATOR._options, OPERATOR._arguments, OPERATOR._show
@@ -121,7 +122,7 @@ def test_esc_cancels():
             edit()
         for wait in (0.0, 0.3, 0.6):
             driven = Driven()
-            while driven._job.fraction < wait:
+            while driven._job.fraction < wait and driven._job.is_running:
                 time.sleep(0.001)
             driven.send("ESC", "PRESS")
             driven.until_done()

@@ -38,6 +38,9 @@ def test_example(code, tmp_path):
     if "moved copies" in code:
         numbers = [float(n) for n in re.findall(r"[\d.]+(?:e-\d+)?", done.stdout)]
         assert 0 < numbers[0] < 0.1 and numbers[0] < numbers[1] < 0.25
+    if "lowest source" in code:
+        lowest, middle = (float(n) for n in re.findall(r"-?[\d.]+(?:e-\d+)?", done.stdout))
+        assert lowest >= middle
     if "Cancelled" in code:
         assert done.stdout.splitlines()[-1] == "cancelled"
 

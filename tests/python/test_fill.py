@@ -56,6 +56,7 @@ OPTIONS = [
     ),
     ({"sizing": "scaled", "sizing_value": 0.7}, ["--edge-scale", "0.7"]),
     ({"sizing": "edge_length", "sizing_value": 0.1}, ["--edge-length", "0.1"]),
+    ({"unmirrored": True}, ["--unmirrored"]),
     ({"grouping": "separate"}, ["--separate-loops"]),
     ({"selection": "ids", "selection_ids": [1]}, ["--holes", "1"]),
     ({"selection": "all_but_largest"}, ["--holes", "all-but-largest"]),

@@ -58,6 +58,13 @@ class Options(c.Structure):
         ("output", c_uint32),
         ("progress", PROGRESS),
         ("progress_user", c_void_p),
+        ("source_faces", c_void_p),
+        ("exemplar_vertices", c_void_p),
+        ("exemplar_vertex_count", c_size_t),
+        ("exemplar_faces", c_void_p),
+        ("exemplar_face_count", c_size_t),
+        ("exemplar_only", c_uint32),
+        ("unmirrored", c_uint32),
     ]
 
 

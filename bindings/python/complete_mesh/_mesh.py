@@ -32,6 +32,11 @@ def complete_mesh(
     selection_length: Optional[float] = None,
     selection_point: Optional[ArrayLike] = None,
     skip_unsafe: bool = False,
+    source_faces: Optional[ArrayLike] = None,
+    exemplar_vertices: Optional[ArrayLike] = None,
+    exemplar_faces: Optional[ArrayLike] = None,
+    exemplar_only: bool = False,
+    unmirrored: bool = False,
     threads: int = 0,
     output: str = "whole_mesh",
     progress: Optional[Progress] = None,
@@ -63,6 +68,12 @@ def complete_mesh(
         selection_point: (3,), mesh units, for "near_point".
         skip_unsafe: leave a hole open that cannot be filled, and say why in the report, instead
             of failing.
+        source_faces: (m,) bool: which faces of the mesh may be copied from; None: all.
+        exemplar_vertices: another mesh to copy from, (p, 3), in any position and of the same
+            scale, e.g. an intact twin.
+        exemplar_faces: its faces, (q, 3).
+        exemplar_only: copy from the exemplar alone.
+        unmirrored: copy nothing mirrored.
         threads: worker threads, 0 for as many as there are cores. The result does not depend on it.
         output: "whole_mesh", or "new_only" for a result without `vertices` and `faces`.
         progress: called as ``progress(fraction, stage)`` with 0 to 1 and a word or two, on the
@@ -91,6 +102,11 @@ def complete_mesh(
         selection_length=selection_length,
         selection_point=selection_point,
         skip_unsafe=skip_unsafe,
+        source_faces=source_faces,
+        exemplar_vertices=exemplar_vertices,
+        exemplar_faces=exemplar_faces,
+        exemplar_only=exemplar_only,
+        unmirrored=unmirrored,
         threads=threads,
         progress=progress,
     )
@@ -184,6 +200,11 @@ class Completer:
         selection_length: Optional[float] = None,
         selection_point: Optional[ArrayLike] = None,
         skip_unsafe: bool = False,
+        source_faces: Optional[ArrayLike] = None,
+        exemplar_vertices: Optional[ArrayLike] = None,
+        exemplar_faces: Optional[ArrayLike] = None,
+        exemplar_only: bool = False,
+        unmirrored: bool = False,
         threads: int = 0,
         output: str = "whole_mesh",
         progress: Optional[Progress] = None,
@@ -203,6 +224,11 @@ class Completer:
             selection_length=selection_length,
             selection_point=selection_point,
             skip_unsafe=skip_unsafe,
+            source_faces=source_faces,
+            exemplar_vertices=exemplar_vertices,
+            exemplar_faces=exemplar_faces,
+            exemplar_only=exemplar_only,
+            unmirrored=unmirrored,
             threads=threads,
             progress=progress,
         )

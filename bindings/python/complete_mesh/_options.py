@@ -9,6 +9,7 @@ import threading
 from typing import Any, Callable, Optional, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _abi
 from ._arrays import Mesh
@@ -44,6 +45,11 @@ class Call:
         selection: str = "all",
         skip_unsafe: bool = False,
         threads: int = 0,
+        source_faces: Optional[ArrayLike] = None,
+        exemplar_vertices: Optional[ArrayLike] = None,
+        exemplar_faces: Optional[ArrayLike] = None,
+        exemplar_only: bool = False,
+        unmirrored: bool = False,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -65,6 +71,10 @@ class Call:
         self._set_sizing(sizing, sizing_value)
         self._set_grouping(grouping, join_vertices)
         self._set_selection(selection, selected)
+        self._set_source_faces(source_faces, len(mesh.faces))
+        self._set_exemplar(exemplar_vertices, exemplar_faces, mesh)
+        options.exemplar_only = bool(exemplar_only)
+        options.unmirrored = bool(unmirrored)
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
@@ -112,6 +122,36 @@ class Call:
                 options.selection_length = value
             else:
                 options.selection_point = tuple(np.asarray(value, np.float64).reshape(3))
+
+    def _set_source_faces(self, given: Optional[ArrayLike], face_count: int) -> None:
+        if given is None:
+            return
+        mask = np.asarray(given)
+        if mask.dtype != np.bool_ or mask.shape != (face_count,):
+            raise ValueError(
+                f"source_faces are {mask.dtype} of the shape {mask.shape}, but must be a bool for "
+                f"each face: ({face_count},)"
+            )
+        kept = np.array(mask, np.uint8)
+        self._kept.append(kept)
+        self.options.source_faces = kept.ctypes.data
+
+    def _set_exemplar(
+        self, vertices: Optional[ArrayLike], faces: Optional[ArrayLike], mesh: Mesh
+    ) -> None:
+        if (vertices is None) != (faces is None):
+            raise ValueError("exemplar_vertices and exemplar_faces need each other")
+        if vertices is None or faces is None:
+            return
+        exemplar = Mesh(vertices, faces)
+        positions = np.array(exemplar.vertices, mesh.vertices.dtype, order="C")
+        packed = Mesh(positions, exemplar.faces, copy=True)
+        self._kept.append(packed)
+        options = self.options
+        options.exemplar_vertices, options.exemplar_vertex_count, options.exemplar_faces, count = (
+            packed.arguments()
+        )
+        options.exemplar_face_count = count
 
     def _indices(self, name: str, numbers: Any) -> Optional[int]:
         """The address of a copy as 32-bit numbers, which self keeps; None if there are none."""

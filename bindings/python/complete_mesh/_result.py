@@ -147,7 +147,8 @@ class Result:
     new_vertex_holes: Ids
     """(k,): the id of the hole that each new vertex fills."""
     new_vertex_source_faces: Ids
-    """(k,): the input face that the vertex's detail was copied from."""
+    """(k,): the input face that the vertex's detail was copied from; from m on faces of the
+    exemplar, less m."""
     new_vertex_barycentrics: NDArray[np.float64]
     """(k, 3): where on that face: the weights of its corners in the face's order, sum 1."""
     new_vertex_sources: Ids

@@ -86,16 +86,13 @@ def _spread_weights(bm, spread, rim, vertices):
 
 
 def spread_keys(bm, spread, vertices):
-    """Shape keys move a fill as they move its rim. Gives the new vertices' places by key's name."""
-    made = {}
+    """Shape keys move a fill as they move its rim."""
     at_rim = np.array([bm.verts[i].co for i in spread.rim]).reshape(-1, 3)
     own = np.array([vertex.co for vertex in vertices]).reshape(-1, 3)
-    for name, layer in bm.verts.layers.shape.items():
+    for layer in bm.verts.layers.shape.values():
         moved = np.array([bm.verts[i][layer] for i in spread.rim]).reshape(-1, 3) - at_rim
-        made[name] = own + spread(moved)
-        for vertex, co in zip(vertices, made[name].tolist()):
+        for vertex, co in zip(vertices, (own + spread(moved)).tolist()):
             vertex[layer] = co
-    return made
 
 
 def _layer(bm, name):

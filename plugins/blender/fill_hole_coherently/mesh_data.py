@@ -7,6 +7,7 @@ import bmesh
 import numpy as np
 
 from . import looks
+from .session import NothingToFill
 
 
 @dataclass
@@ -18,7 +19,7 @@ class Arrays:
     triangles: np.ndarray
     """(m, 3) int32."""
     polygons: np.ndarray
-    """(m,) int32: the polygon of each triangle."""
+    """(m,) int32: the polygon of each triangle; those of another object's after them."""
     selected: np.ndarray
     """(n,) bool: vertices that the user has selected; none in Object Mode."""
 
@@ -40,6 +41,37 @@ def read(ob):
     return Arrays(vertices.reshape(-1, 3), triangles.reshape(-1, 3), polygons, selected)
 
 
+def group_sources(ob, arrays, name):
+    """Sources in a vertex group: the triangles whose vertices are all in it."""
+    group = ob.vertex_groups.get(name)
+    if group is None:
+        raise NothingToFill(f"Choose a vertex group to copy from: there is none called '{name}'")
+    inside = np.array(
+        [any(g.group == group.index and g.weight > 0 for g in v.groups) for v in ob.data.vertices], bool
+    )
+    faces = inside[arrays.triangles].all(axis=1)
+    if not faces.any():
+        raise NothingToFill(f"The vertex group '{name}' has no face to copy from")
+    return {"source_faces": faces}
+
+
+def object_sources(ob, arrays, other):
+    """Sources on another object alone, in the size that it has in the scene. Its polygons are
+    counted on from those of the mesh."""
+    if other is None or other.type != "MESH" or other.data == ob.data:
+        raise NothingToFill("Choose another mesh object to copy from")
+    theirs = read(other)
+    matrix = np.array(ob.matrix_world.inverted_safe() @ other.matrix_world)
+    places = theirs.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    polygons = np.concatenate([arrays.polygons, theirs.polygons + len(ob.data.polygons)])
+    arrays.polygons = polygons
+    return {
+        "exemplar_vertices": places.astype(np.float32),
+        "exemplar_faces": theirs.triangles,
+        "exemplar_only": True,
+    }
+
+
 def add_fill(ob, result, polygons, write_attributes):
     """Adds the fill and selects it; gives the names of attributes that could not be written."""
     mesh, edit = ob.data, ob.mode == "EDIT"
@@ -56,7 +88,7 @@ def add_fill(ob, result, polygons, write_attributes):
         bm.faces.ensure_lookup_table()
         looks.match_rims(bm, result, vertices, faces)
         looks.spread_layers(bm, spread, vertices, faces)
-        keys = looks.spread_keys(bm, spread, vertices) if mesh.shape_keys else {}
+        looks.spread_keys(bm, spread, vertices)
         if write_attributes:
             looks.write_attributes(bm, result, polygons, vertices, faces, missed)
         for face in faces:
@@ -71,7 +103,6 @@ def add_fill(ob, result, polygons, write_attributes):
         if not edit:
             bm.free()
     if not edit:
-        _write_keys(mesh, keys, result.input_vertex_count)
         mesh.update()
     return missed
 
@@ -123,14 +154,3 @@ def _add_elements(bm, result):
     bm.faces.index_update()
     bm.verts.ensure_lookup_table()
     return vertices, faces
-
-
-def _write_keys(mesh, keys, first):
-    """Outside Edit Mode a BMesh does not carry shape keys back: new vertices get the shape they
-    have in the mesh."""
-    for name, positions in keys.items():
-        block = mesh.shape_keys.key_blocks[name]
-        values = np.empty(len(block.data) * 3, np.float32)
-        block.data.foreach_get("co", values)
-        values[first * 3 :] = positions.ravel()
-        block.data.foreach_set("co", values)

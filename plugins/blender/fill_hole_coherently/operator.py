@@ -4,7 +4,7 @@ once."""
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import mesh_data, session
 from .complete_mesh import Cancelled, CompleteMeshError, LibraryNotFound, Status
@@ -67,6 +67,23 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         "and select what is in the way",
         default=False,
     )
+    source: EnumProperty(
+        name="Copy From",
+        items=[
+            ("MESH", "Whole Mesh", "Continue what any place on the mesh shows"),
+            ("GROUP", "Vertex Group", "Copy only from faces in a vertex group"),
+            ("OBJECT", "Another Object", "Copy only from another object, e.g. an intact twin. It may "
+             "stand and be turned as it likes, but must have the same size"),
+        ],
+        default="MESH",
+    )
+    source_group: StringProperty(name="Group", description="Vertex group to copy from")
+    source_object: StringProperty(name="Object", description="Mesh object to copy from")
+    mirror: BoolProperty(
+        name="Allow Mirroring",
+        description="Copy mirrored places, too. Off: for lettering, and whatever has a handedness",
+        default=True,
+    )
     write_attributes: BoolProperty(
         name="Write Attributes",
         description="Keep in the mesh which faces are new (completed), and for each new vertex the "
@@ -85,12 +102,18 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
             return False
         return True
 
-    def draw(self, _context):
+    def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(self, "method")
         layout.prop(self, "density")
+        layout.prop(self, "source")
+        if self.source == "GROUP" and context.active_object:
+            layout.prop_search(self, "source_group", context.active_object, "vertex_groups")
+        elif self.source == "OBJECT":
+            layout.prop_search(self, "source_object", bpy.data, "objects")
+        layout.prop(self, "mirror")
         column = layout.column(heading="Holes")
         column.prop(self, "max_edges")
         column.prop(self, "keep_largest_open")
@@ -106,17 +129,24 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
             keep_largest_open=self.keep_largest_open,
             join_loops=self.join_loops,
             skip_unsafe=self.skip_unsafe,
+            mirror=self.mirror,
         )
 
-    def _arguments(self, arrays):
-        return arrays.vertices, arrays.triangles, arrays.selected, self._options()
+    def _arguments(self, ob, arrays):
+        options = self._options()
+        if self.source == "GROUP":
+            options.sources = mesh_data.group_sources(ob, arrays, self.source_group)
+        elif self.source == "OBJECT":
+            other = bpy.data.objects.get(self.source_object)
+            options.sources = mesh_data.object_sources(ob, arrays, other)
+        return arrays.vertices, arrays.triangles, arrays.selected, options
 
     def execute(self, context):
         """Blocks: for scripts, and for the redo panel, which has the mesh as it was before."""
         ob = context.active_object
         arrays = mesh_data.read(ob)
         try:
-            result = session.fill(*self._arguments(arrays))
+            result = session.fill(*self._arguments(ob, arrays))
             return self._finish(ob, arrays, result)
         except TROUBLES as error:
             return self._fail(context, ob, arrays, error)
@@ -127,7 +157,11 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         ob = context.active_object
         self._name, self._mode = ob.name, ob.mode
         self._arrays = mesh_data.read(ob)
-        self._job = session.Job(*self._arguments(self._arrays))
+        try:
+            arguments = self._arguments(ob, self._arrays)
+        except TROUBLES as error:
+            return self._fail(context, ob, self._arrays, error)
+        self._job = session.Job(*arguments)
         manager = context.window_manager
         manager.progress_begin(0, 100)
         self._timer = manager.event_timer_add(0.05, window=context.window)

@@ -4,7 +4,7 @@ learnt from the last meshes is kept, so that the redo panel need not wait for it
 
 import hashlib
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,6 +27,9 @@ class Options:
     keep_largest_open: bool = False
     join_loops: bool = True
     skip_unsafe: bool = False
+    mirror: bool = True
+    sources: dict = field(default_factory=dict)
+    """The library's source_faces, or exemplar_vertices and exemplar_faces: see mesh_data."""
 
     @property
     def grouping(self):
@@ -35,6 +38,7 @@ class Options:
     def arguments(self):
         """The library's own names for what the result depends on, beside the choice of holes."""
         arguments = {"method": self.method, "skip_unsafe": self.skip_unsafe}
+        arguments |= {"unmirrored": not self.mirror, **self.sources}
         if self.density != 1.0:
             # A density of 2 is twice as many vertices along an edge.
             arguments |= {"sizing": "scaled", "sizing_value": 1.0 / self.density}
@@ -42,7 +46,7 @@ class Options:
 
 
 class NothingToFill(Exception):
-    """There is no hole that was asked for; the text says why."""
+    """There is no hole that was asked for, or nothing to copy from; the text says why."""
 
 
 class Kept:
@@ -53,7 +57,10 @@ class Kept:
         self.asked, self.result = None, None
 
     def fill(self, progress, **arguments):
-        asked = repr(sorted(arguments.items()))
+        asked = [
+            (name, content_hash(value) if isinstance(value, np.ndarray) else repr(value))
+            for name, value in sorted(arguments.items())
+        ]
         if asked != self.asked:
             result = self.completer.complete(output="new_only", progress=progress, **arguments)
             self.asked, self.result = asked, result
