@@ -21,7 +21,7 @@ const TRUSTED: (f64, f64) = (0.5, 0.8);
 
 /// The copies were chosen by the same ring that then says how far to trust them: at equal errors their
 /// share is cut by this part.
-const OPTIMISM: f64 = 0.35;
+const OPTIMISM: f64 = 0.6;
 /// Ratio from which on a smooth surface is the better guess.
 const HOPELESS: f64 = 1.1;
 
@@ -93,7 +93,7 @@ pub fn look<'a>(
         return Ok(None);
     }
     let doubt = ((ratio - TRUSTED.0) / (TRUSTED.1 - TRUSTED.0)).clamp(0.0, 1.0);
-    let apart = APART * (1.0 - 0.7 * doubt);
+    let apart = APART * (1.0 - 0.4 * doubt);
     let labels = choose_labels(window, &fitted, &scores, &base, apart);
     let share = share * (1.0 - OPTIMISM * ratio * ratio);
     base.iter_mut().for_each(|b| *b *= 1.0 - doubt * (1.0 - share));
