@@ -90,6 +90,8 @@ pub struct Story {
     pub sources: Vec<SourceReport>,
     /// See [`crate::HoleReport::confidence`].
     pub confidence: f64,
+    /// See [`crate::HoleReport::coherence_error`].
+    pub coherence_error: Option<[f64; 2]>,
 }
 
 /// Fills one hole whose loops are given in neighbourhood vertices. `check` is called between the
