@@ -41,7 +41,7 @@ impl Effort {
         let n = target.fill.len();
         match targets {
             1 => Self {
-                maps: (10 * n).max(400),
+                maps: (6 * n).max(400),
                 widths: &WIDTHS,
                 kept: (n / 8).clamp(10, 80),
                 fine: (n / 12).clamp(6, 30),
@@ -121,7 +121,7 @@ impl Maps {
         let make = || {
             let (centre, normal) = (self.centres.points[c], self.centres.normals[c]);
             let reach = REACH * self.radius;
-            let ids = self.cloud.tree.within(centre, reach);
+            let ids = self.cloud.tree.within_unsorted(centre, reach);
             let frame = frame_at(&self.cloud, &ids, centre, normal, self.radius)?;
             Some(HeightMap::new(&self.cloud, &ids, frame, reach))
         };

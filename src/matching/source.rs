@@ -66,14 +66,18 @@ impl PointTree {
 
     /// All points within a radius, in ascending order of their indices.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<u32> {
-        let Some(tree) = &self.tree else { return Vec::new() };
-        let mut found: Vec<u32> = tree
-            .within_unsorted::<SquaredEuclidean>(&p.to_array(), radius * radius)
-            .iter()
-            .map(|n| self.ids[n.item as usize])
-            .collect();
+        let mut found = self.within_unsorted(p, radius);
         found.sort_unstable();
         found
+    }
+
+    /// All points within a radius, in the order of the tree, which is the same for the same points.
+    pub fn within_unsorted(&self, p: DVec3, radius: f64) -> Vec<u32> {
+        let Some(tree) = &self.tree else { return Vec::new() };
+        tree.within_unsorted::<SquaredEuclidean>(&p.to_array(), radius * radius)
+            .iter()
+            .map(|n| self.ids[n.item as usize])
+            .collect()
     }
 }
 
