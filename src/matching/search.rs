@@ -41,7 +41,7 @@ impl Effort {
         let n = target.fill.len();
         match targets {
             1 => Self {
-                maps: (6 * n).max(400),
+                maps: (6 * n).max(2000),
                 widths: &WIDTHS,
                 kept: (n / 8).clamp(10, 80),
                 fine: (n / 12).clamp(6, 30),
