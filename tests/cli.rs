@@ -1,9 +1,11 @@
 //! The real binary: exit codes, files, reports, JSON lines, Ctrl-C.
 #![cfg(feature = "cli")]
 
+use complete_mesh::intersect::Bvh;
 use complete_mesh::io::Document;
 use complete_mesh::sample::Sample;
 use complete_mesh::{find_holes, Grouping, MeshView, Monitor};
+use glam::DVec3;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -445,6 +447,65 @@ fn report_and_columns_lead_to_the_source() {
         assert!(off.sqrt() < 0.25 * diameter, "vertex {v} is {} from its source", off.sqrt());
     }
     assert!(10 * copied > 9 * new, "{copied} of {new}");
+}
+
+/// Given an intact twin and nothing else, the fill lies on the twin's surface, which a smooth fill does
+/// not: both are of one sample, so the twin is where it was.
+#[test]
+fn an_exemplar_gives_back_what_is_missing() {
+    let place = Place::new();
+    place.expect(0, "sample vessel --resolution 90 -q -o whole.ply");
+    place.expect(0, "sample vessel --resolution 90 --break disc -q -o in.ply");
+    place.expect(0, "fill in.ply --method smooth -q -o smooth.ply");
+    place.expect(0, "fill in.ply --exemplar whole.ply --exemplar-only --unmirrored -q -o twin.ply");
+    assert_kept(&place.path("in.ply"), &place.path("twin.ply"));
+    let off = |name: &str| worst_of_new(&place, "in.ply", name, "whole.ply");
+    let (twin, smooth) = (off("twin.ply"), off("smooth.ply"));
+    println!("twin {twin:.3} edges, smooth {smooth:.3}");
+    assert!(twin < 0.05 && smooth > 0.3, "{twin} {smooth}");
+    place.expect(2, "fill in.ply --exemplar-only -o none.ply");
+    place.expect(3, "fill in.ply --exemplar missing.ply -o none.ply");
+}
+
+/// The greatest distance of a new vertex from the whole mesh, in mean edges of that.
+fn worst_of_new(place: &Place, input: &str, output: &str, truth: &str) -> f64 {
+    let read = |name: &str| Document::read(&place.path(name)).unwrap();
+    let (input, output, truth) = (read(input), read(output), read(truth));
+    let corners: Vec<DVec3> =
+        (0..truth.vertices().len()).map(|v| DVec3::from(truth.vertices().get(v))).collect();
+    let faces: Vec<[u32; 3]> = (0..truth.faces().len()).map(|f| truth.faces().get(f)).collect();
+    let length = |f: &[u32; 3]| corners[f[0] as usize].distance(corners[f[1] as usize]);
+    let edge = faces.iter().map(length).sum::<f64>() / faces.len() as f64;
+    let tree = Bvh::new(&corners, &faces);
+    let new = input.vertices().len()..output.vertices().len();
+    assert!(!new.is_empty());
+    let off = |v| tree.closest_point(DVec3::from(output.vertices().get(v)), f64::INFINITY);
+    new.map(|v| off(v).unwrap().distance).fold(0.0, f64::max) / edge
+}
+
+/// A membrane comes back as it was given, where a smooth fill would be another.
+#[test]
+fn an_initial_completion_is_what_is_started_from() {
+    let place = Place::new();
+    place.expect(0, "sample vessel --resolution 60 --break disc -q -o in.ply");
+    place.expect(0, "fill in.ply --method smooth --fairing c0 -q -o flat.ply");
+    place.expect(0, "fill in.ply --method smooth -q -o other.ply");
+    place.expect(0, "fill in.ply --method smooth --initial flat.ply -q -o again.ply");
+    assert_kept(&place.path("in.ply"), &place.path("again.ply"));
+    let sorted = |name: &str| {
+        let (mut vertices, faces) = geometry(&place.path(name));
+        vertices.sort_unstable();
+        (vertices, faces.len())
+    };
+    assert!(sorted("again.ply") == sorted("flat.ply"));
+    assert!(sorted("other.ply") != sorted("flat.ply"));
+    // of another mesh
+    let (_, stderr) = place.expect(2, "fill in.ply --initial again.ply --holes 0 -o again.ply");
+    assert!(stderr.contains("one file"), "{stderr}");
+    place.expect(0, "sample vessel --resolution 60 --break crack -q -o crack.ply");
+    let (_, stderr) = place.expect(2, "fill crack.ply --initial flat.ply -o none.ply");
+    assert!(stderr.contains("does not begin with"), "{stderr}");
+    assert!(!place.names().contains("none.ply"));
 }
 
 #[test]
