@@ -351,7 +351,7 @@ pub(crate) mod tests {
             .map(|i| DVec3::new((i * 37 % 101) as f64, (i * 53 % 89) as f64, (i % 7) as f64))
             .collect();
         let even: Vec<u32> = (0..200).step_by(2).collect();
-        let tree = PointTree::new(&points, even.clone(), &|_| Ok(())).unwrap();
+        let tree = PointTree::new(&points, even.clone());
         for q in &points {
             let d = |i: &u32| points[*i as usize].distance_squared(*q + 0.3);
             let nearest = even.iter().map(d).fold(f64::INFINITY, f64::min);
@@ -360,7 +360,7 @@ pub(crate) mod tests {
             let near: Vec<u32> = even.iter().copied().filter(|i| d(i) < 400.0).collect();
             assert_eq!(tree.within(*q + 0.3, 20.0), near);
         }
-        let none = PointTree::of_all(&[], &|| Ok(())).unwrap();
+        let none = PointTree::of_all(&[]);
         assert!(none.nearest(DVec3::ZERO).is_none() && none.within(DVec3::ZERO, 1e9).is_empty());
     }
 }
