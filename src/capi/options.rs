@@ -1,5 +1,6 @@
 //! The options struct of the C ABI, and how it is read: nothing unknown is ignored.
 
+use super::arrays::{array, corners, points};
 use super::error::{Failure, Status};
 use super::guard::guard;
 use crate::options::{
@@ -372,7 +373,8 @@ impl COptions {
             triangles => {
                 let (vertices, count) = (self.exemplar_vertices, self.exemplar_vertex_count);
                 // SAFETY: the caller of `checked` answers for the arrays.
-                let vertices = unsafe { self.points("exemplar_vertices", vertices, count) }?;
+                let vertices =
+                    unsafe { points("exemplar_vertices", vertices, count, self.single()?) }?;
                 // SAFETY: as above.
                 let faces = unsafe { corners("exemplar_faces", self.exemplar_faces, triangles) }?;
                 Some(Arc::new(Exemplar { vertices, faces }))
@@ -392,33 +394,11 @@ impl COptions {
         }
         let (vertices, count) = (self.initial_vertices, self.initial_vertex_count);
         // SAFETY: the caller of `checked` answers for the arrays.
-        let vertices = unsafe { self.points("initial_vertices", vertices, count) }?;
+        let vertices = unsafe { points("initial_vertices", vertices, count, self.single()?) }?;
         let triangles = self.initial_face_count;
         // SAFETY: as above.
         let faces = unsafe { corners("initial_faces", self.initial_faces, triangles) }?;
         Ok(Some(Arc::new(Initial { vertices, faces })))
-    }
-
-    /// Packed points of the vertex type.
-    unsafe fn points(
-        &self,
-        name: &str,
-        data: *const c_void,
-        count: usize,
-    ) -> Result<Vec<[f64; 3]>, Failure> {
-        let numbers = count.saturating_mul(3);
-        Ok(match self.single()? {
-            // SAFETY: the caller answers for the array.
-            true => unsafe { array::<f32>(name, data.cast(), numbers) }?
-                .chunks_exact(3)
-                .map(|p| [p[0], p[1], p[2]].map(f64::from))
-                .collect(),
-            // SAFETY: as above.
-            false => unsafe { array::<f64>(name, data.cast(), numbers) }?
-                .chunks_exact(3)
-                .map(|p| [p[0], p[1], p[2]])
-                .collect(),
-        })
     }
 
     unsafe fn selection(&self) -> Result<Selection, Failure> {
@@ -476,42 +456,6 @@ fn flag(field: &str, value: u32) -> Result<bool, Failure> {
             Err(Failure::argument(format!("option {field} is {other}: only 0 and 1 are allowed")))
         }
     }
-}
-
-/// Packed triangles.
-unsafe fn corners(name: &str, data: *const u32, count: usize) -> Result<Vec<[u32; 3]>, Failure> {
-    // SAFETY: the caller answers for the array.
-    let numbers = unsafe { array(name, data, count.saturating_mul(3)) }?;
-    Ok(numbers.chunks_exact(3).map(|f| [f[0], f[1], f[2]]).collect())
-}
-
-/// A copy of a caller's array of numbers, which need not be aligned.
-unsafe fn array<T: Copy>(name: &str, data: *const T, count: usize) -> Result<Vec<T>, Failure> {
-    if count == 0 {
-        return Ok(Vec::new());
-    }
-    if data.is_null() {
-        return Err(Failure::argument(format!(
-            "{name} is NULL, but {count} numbers are asked of it"
-        )));
-    }
-    // Everything is numbered with 32 bits, in threes at most: a longer list is garbage.
-    if count > 3 * u32::MAX as usize || count > isize::MAX as usize / size_of::<T>() {
-        return Err(Failure::argument(format!("{name} cannot have {count} numbers")));
-    }
-    let mut copy: Vec<T> = Vec::new();
-    copy.try_reserve_exact(count)
-        .map_err(|_| Failure::new(Status::OutOfMemory, format!("no memory for {name}")))?;
-    // SAFETY: the caller answers for `count` readable numbers; as many are reserved.
-    unsafe {
-        std::ptr::copy_nonoverlapping(
-            data.cast::<u8>(),
-            copy.as_mut_ptr().cast(),
-            count * size_of::<T>(),
-        );
-        copy.set_len(count);
-    }
-    Ok(copy)
 }
 
 /// Whether a caller's struct may have this size. Every field is 4 or 8 bytes wide and the narrow
