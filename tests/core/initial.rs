@@ -1,27 +1,17 @@
 //! Initial completions from outside, and how little a coherent fill depends on them.
 
-use crate::checker::{check, filled_rims};
-use crate::meshes::Mesh;
+use crate::checker::complete_checked;
+use crate::meshes::{broken_vessel, Mesh};
 use complete_mesh::intersect::Bvh;
-use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample};
+use complete_mesh::sample::Break;
 use complete_mesh::{
-    complete_mesh, find_holes, Completion, Error, Fairing, Grouping, HoleStatus, Initial, Method,
-    Monitor, Options,
+    complete_mesh, Completion, Error, Fairing, HoleStatus, Initial, Method, Options,
 };
 use glam::DVec3;
 use std::sync::Arc;
 
-fn broken(sample: Sample, kind: Break) -> Mesh {
-    let whole = sample.build(110).unwrap();
-    let mesh = break_mesh(sample, &whole, &BreakOptions { kind, seed: 1, size: 0.8 }).unwrap().mesh;
-    Mesh { vertices: mesh.vertices.iter().map(|p| p.map(f64::from)).collect(), faces: mesh.faces }
-}
-
-fn fill(mesh: &Mesh, options: &Options) -> Completion {
-    let made = complete_mesh(&mesh.vertices[..], &mesh.faces[..], options).unwrap();
-    let list = find_holes(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
-    check(&mesh.vertices, &mesh.faces, &made, &filled_rims(&made, &list)).unwrap();
-    made
+fn broken(kind: Break) -> Mesh {
+    broken_vessel(kind).0
 }
 
 fn initial(made: &Completion) -> Initial {
@@ -52,9 +42,9 @@ fn apart(mesh: &Mesh, a: &Completion, b: &Completion) -> f64 {
 #[test]
 fn what_is_given_comes_back() {
     for kind in [Break::Ragged, Break::Islands, Break::Several] {
-        let mesh = broken(Sample::Vessel, kind);
-        let made = fill(&mesh, &smooth(Fairing::Auto));
-        let again = fill(&mesh, &from(initial(&made), Method::Smooth));
+        let mesh = broken(kind);
+        let made = complete_checked(&mesh, &smooth(Fairing::Auto));
+        let again = complete_checked(&mesh, &from(initial(&made), Method::Smooth));
         let sorted = |c: &Completion| {
             let mut bits: Vec<[u64; 3]> = c.vertices.iter().map(|p| p.map(f64::to_bits)).collect();
             bits.sort_unstable();
@@ -67,16 +57,12 @@ fn what_is_given_comes_back() {
 /// The paper's claim (Sec. 3): different and noisy initial completions give nearly the same fill.
 #[test]
 fn the_initial_completion_hardly_matters() {
-    let mesh = broken(Sample::Vessel, Break::Disc);
-    let usual = fill(&mesh, &Options::default());
+    let mesh = broken(Break::Disc);
+    let usual = complete_checked(&mesh, &Options::default());
     assert_eq!(usual.holes[0].method, Method::Coherent);
-    let plain = fill(&mesh, &smooth(Fairing::Auto));
+    let plain = complete_checked(&mesh, &smooth(Fairing::Auto));
     let relief = apart(&mesh, &plain, &usual);
-    let edge = {
-        let p = |v: u32| DVec3::from(mesh.vertices[v as usize]);
-        let length = |f: &[u32; 3]| p(f[0]).distance(p(f[1]));
-        mesh.faces.iter().map(length).sum::<f64>() / mesh.faces.len() as f64
-    };
+    let edge = mesh.mean_edge();
     let noisy = |share: f64| {
         let mut made = initial(&plain);
         let mut state = 1u64;
@@ -89,15 +75,15 @@ fn the_initial_completion_hardly_matters() {
         made.vertices = made.vertices.iter().map(|p| moved(p, &mut random)).collect();
         made
     };
-    let membrane = initial(&fill(&mesh, &smooth(Fairing::C0)));
-    let curved = initial(&fill(&mesh, &smooth(Fairing::C2)));
+    let membrane = initial(&complete_checked(&mesh, &smooth(Fairing::C0)));
+    let curved = initial(&complete_checked(&mesh, &smooth(Fairing::C2)));
     for (name, start) in [
         ("membrane", membrane),
         ("curved", curved),
         ("noise", noisy(0.2)),
         ("much noise", noisy(0.5)),
     ] {
-        let made = fill(&mesh, &from(start, Method::Coherent));
+        let made = complete_checked(&mesh, &from(start, Method::Coherent));
         let off = apart(&mesh, &made, &usual);
         println!("{name}: {off:.3} edges of {relief:.3}");
         assert_eq!(made.holes[0].method, Method::Coherent, "{name}");
@@ -108,8 +94,8 @@ fn the_initial_completion_hardly_matters() {
 /// What does not fill the hole is refused with the reason.
 #[test]
 fn what_fills_nothing_is_refused() {
-    let mesh = broken(Sample::Vessel, Break::Disc);
-    let made = fill(&mesh, &smooth(Fairing::Auto));
+    let mesh = broken(Break::Disc);
+    let made = complete_checked(&mesh, &smooth(Fairing::Auto));
     let refused = |start: Initial, words: &str| {
         let options = from(start, Method::Smooth);
         match complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options) {
@@ -118,7 +104,7 @@ fn what_fills_nothing_is_refused() {
             }
             other => panic!("{words}: {:?}", other.map(|c| c.vertices.len())),
         }
-        let skipped = fill(&mesh, &Options { skip_unsafe: true, ..options });
+        let skipped = complete_checked(&mesh, &Options { skip_unsafe: true, ..options });
         assert!(
             matches!(skipped.holes[0].status, HoleStatus::Failed(_)) && skipped.faces.is_empty()
         );
