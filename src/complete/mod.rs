@@ -80,16 +80,16 @@ impl<'a> Completer<'a> {
     }
 
     /// What coherent completions copy from, kept until other sources are asked for.
-    fn library(&self, sources: &Sources) -> Arc<Library> {
+    fn library(&self, sources: &Sources) -> Result<Arc<Library>> {
         let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, library)) = kept.as_ref().filter(|k| k.0 == *sources) {
-            return library.clone();
+            return Ok(library.clone());
         }
         let rims: Vec<u32> =
             self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect();
-        let library = Arc::new(Library::new(self.mesh, &rims, sources));
+        let library = Arc::new(Library::new(self.mesh, &rims, sources)?);
         *kept = Some((sources.clone(), library.clone()));
-        library
+        Ok(library)
     }
 
     /// The holes found.
@@ -196,7 +196,7 @@ impl<'a> Completer<'a> {
         };
         if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
-            let library = self.library(&options.sources);
+            let library = self.library(&options.sources)?;
             self.continue_fill(around, obstacles, fill, &library, threads, &late)?;
         }
         let seconds = clock.elapsed().as_secs_f64();
