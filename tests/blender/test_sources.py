@@ -1,9 +1,11 @@
 """What a fill may be copied from."""
 
+import bmesh
 import bpy
 import numpy as np
 import scenes
 from checks import check
+from test_edit import edit, leave, rims, select_vertices
 from test_fill import check_added, fill, reference
 
 
@@ -24,6 +26,80 @@ def test_vertex_group():
     check_added("from a group", ob, before, result)
     came = sources(ob, len(before["positions"]))
     check("from a group: from there", np.isin(came[came >= 0], polygons[allowed]).all() and (came >= 0).any())
+
+
+def select_faces(ob, wanted):
+    bm = bmesh.from_edit_mesh(ob.data)
+    for face in bm.faces:
+        if wanted[face.index]:
+            face.select_set(True)
+    bmesh.update_edit_mesh(ob.data)
+
+
+def patch(ob, far_from_rims):
+    """Polygons on one side of the column: away from its holes, or from one hole on."""
+    mesh = ob.data
+    centres = scenes.get(mesh.polygons, "center", 3, np.float32)
+    angle = np.arctan2(centres[:, 1], centres[:, 0]) % (2 * np.pi)
+    low, high = (1.5, 2.9) if far_from_rims else (0.9, 2.5)
+    return (angle > low) & (angle < high)
+
+
+def check_selected(name, ob, before, chosen, **options):
+    """A fill from the selected faces: the library's own from their triangles alone."""
+    faces, polygons = scenes.triangles(ob.data)
+    result, _ = reference(ob, source_faces=chosen[polygons], **options)
+    free, _ = reference(ob, **options)
+    check(f"{name}: finished", fill(source="SELECTED") == {"FINISHED"})
+    leave()
+    check_added(name, ob, before, result)
+    came = sources(ob, len(before["positions"]))
+    check(f"{name}: from there", chosen[came[came >= 0]].all() and (came >= 0).mean() > 0.5)
+    free_came = free.new_vertex_source_faces
+    free_came = polygons[free_came[free_came >= 0]]
+    check(f"{name}: without it from elsewhere, too", not chosen[free_came].all())
+
+
+def test_selected_faces_away_from_holes():
+    """They touch no hole: all holes are filled from them."""
+    ob = scenes.column()
+    chosen = patch(ob, far_from_rims=True)
+    rim = set(sum(rims(ob), []))
+    check("the patch touches no hole", not any(rim & set(p.vertices) for p in ob.data.polygons if chosen[p.index]))
+    before = scenes.snapshot(ob)
+    edit()
+    select_faces(ob, chosen)
+    check_selected("from faces away from holes", ob, before, chosen)
+
+
+def test_selected_faces_at_a_hole():
+    """They touch one hole: that one is filled from them, the other stays."""
+    ob = scenes.column()
+    chosen = patch(ob, far_from_rims=False)
+    at = [bool(set(rim) & set(sum((list(p.vertices) for p in ob.data.polygons if chosen[p.index]), []))) for rim in rims(ob)]
+    check("the patch touches one hole", at.count(True) == 1, at)
+    before = scenes.snapshot(ob)
+    edit()
+    select_faces(ob, chosen)
+    check_selected("from faces at a hole", ob, before, chosen, selection="ids", selection_ids=[at.index(True)])
+
+
+def test_selected_faces_and_a_rim_vertex():
+    """A vertex of a rim beside them chooses the hole, without being a source."""
+    ob = scenes.column()
+    chosen = patch(ob, far_from_rims=True)
+    rim = rims(ob)[1]
+    before = scenes.snapshot(ob)
+    edit("VERT")
+    select_vertices(ob, rim[:1])
+    select_faces(ob, chosen)
+    check_selected("from faces, for a hole", ob, before, chosen, selection="ids", selection_ids=[1])
+
+
+def test_source_is_not_remembered():
+    """The next call may be for a mesh without the selection or the group."""
+    properties = bpy.ops.mesh.fill_hole_coherently.get_rna_type().properties
+    check("the source is not remembered", properties["source"].is_skip_save)
 
 
 def test_another_object():
@@ -66,8 +142,13 @@ def test_no_source():
         {"source": "GROUP"},
         {"source": "GROUP", "source_group": "missing"},
         {"source": "GROUP", "source_group": "nobody"},
+        {"source": "SELECTED"},
         {"source": "OBJECT"},
         {"source": "OBJECT", "source_object": "thing"},
     ):
         check(f"{options}", fill(**options) == {"CANCELLED"})
     check("no source: the mesh is as it was", scenes.same(before, scenes.snapshot(ob)))
+    edit()
+    check("no face selected", fill(source="SELECTED") == {"CANCELLED"})
+    leave()
+    check("no face selected: the mesh is as it was", scenes.same(before, scenes.snapshot(ob)))

@@ -22,6 +22,8 @@ class Arrays:
     """(m,) int32: the polygon of each triangle; those of another object's after them."""
     selected: np.ndarray
     """(n,) bool: vertices that the user has selected; none in Object Mode."""
+    selected_faces: np.ndarray
+    """(m,) bool: triangles of polygons that the user has selected; none in Object Mode."""
 
 
 def read(ob):
@@ -35,10 +37,13 @@ def read(ob):
     mesh.loop_triangles.foreach_get("vertices", triangles)
     polygons = np.empty(len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("polygon_index", polygons)
-    selected = np.zeros(len(mesh.vertices), bool)
+    selected, of_polygon = np.zeros(len(mesh.vertices), bool), np.zeros(len(mesh.polygons), bool)
     if ob.mode == "EDIT":
         mesh.vertices.foreach_get("select", selected)
-    return Arrays(vertices.reshape(-1, 3), triangles.reshape(-1, 3), polygons, selected)
+        mesh.polygons.foreach_get("select", of_polygon)
+    return Arrays(
+        vertices.reshape(-1, 3), triangles.reshape(-1, 3), polygons, selected, of_polygon[polygons]
+    )
 
 
 def group_sources(ob, arrays, name):
@@ -53,6 +58,15 @@ def group_sources(ob, arrays, name):
     if not faces.any():
         raise NothingToFill(f"The vertex group '{name}' has no face to copy from")
     return {"source_faces": faces}
+
+
+def selected_sources(ob, arrays):
+    """Sources in the selection: the triangles of the polygons in it."""
+    if ob.mode != "EDIT":
+        raise NothingToFill("Select the faces to copy from in Edit Mode, and fill there")
+    if not arrays.selected_faces.any():
+        raise NothingToFill("Select the faces to copy from: no face is selected")
+    return {"source_faces": arrays.selected_faces}
 
 
 def object_sources(ob, arrays, other):

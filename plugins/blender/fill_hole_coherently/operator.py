@@ -72,10 +72,14 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         items=[
             ("MESH", "Whole Mesh", "Continue what any place on the mesh shows"),
             ("GROUP", "Vertex Group", "Copy only from faces in a vertex group"),
+            ("SELECTED", "Selected Faces", "Copy only from the faces that are selected in Edit Mode. "
+             "Fills the holes that the selection touches, or all if it touches none"),
             ("OBJECT", "Another Object", "Copy only from another object, e.g. an intact twin. It may "
              "stand and be turned as it likes, but must have the same size"),
         ],
         default="MESH",
+        # The next call may be for a mesh without such a group or selection.
+        options={"SKIP_SAVE"},
     )
     source_group: StringProperty(name="Group", description="Vertex group to copy from")
     source_object: StringProperty(name="Object", description="Mesh object to copy from")
@@ -136,6 +140,9 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         options = self._options()
         if self.source == "GROUP":
             options.sources = mesh_data.group_sources(ob, arrays, self.source_group)
+        elif self.source == "SELECTED":
+            options.sources = mesh_data.selected_sources(ob, arrays)
+            options.all_if_untouched = True
         elif self.source == "OBJECT":
             other = bpy.data.objects.get(self.source_object)
             options.sources = mesh_data.object_sources(ob, arrays, other)

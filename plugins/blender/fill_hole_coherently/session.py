@@ -28,6 +28,8 @@ class Options:
     join_loops: bool = True
     skip_unsafe: bool = False
     mirror: bool = True
+    all_if_untouched: bool = False
+    """Whether a selection that touches no hole chooses all."""
     sources: dict = field(default_factory=dict)
     """The library's source_faces, or exemplar_vertices and exemplar_faces: see mesh_data."""
 
@@ -69,7 +71,8 @@ class Kept:
 
 def fill(vertices, triangles, selected, options, progress=None):
     """The fill of the holes that are chosen. `selected`: (n,) bool, which vertices are; if any is,
-    only holes that one of them lies on. An error that names holes has their edges as `rims`."""
+    only holes that one of them lies on; but see all_if_untouched. An error that names holes has
+    their edges as `rims`."""
     progress = progress or (lambda _fraction, _stage: False)
     kept = _completer(vertices, triangles, options.grouping, progress)
     ids = choose(kept.completer.holes, selected, options)
@@ -93,11 +96,12 @@ def choose(holes, selected, options):
         raise NothingToFill("The mesh has no holes")
     chosen = list(holes)
     if selected.any():
-        chosen = [hole for hole in chosen if any(selected[loop].any() for loop in hole.loops)]
-        if not chosen:
+        touched = [hole for hole in chosen if any(selected[loop].any() for loop in hole.loops)]
+        if not touched and not options.all_if_untouched:
             raise NothingToFill(
                 "No hole touches the selection: select a vertex of a rim, or nothing to fill all holes"
             )
+        chosen = touched or chosen
     if options.keep_largest_open:
         largest = max(holes, key=lambda hole: hole.circumference)
         chosen = [hole for hole in chosen if hole is not largest]
