@@ -69,9 +69,35 @@ void add_bumps(float (*vertices)[3], int count) {
   }
 }
 
-double off_bumps(double x, double y, double z) {
-  const double length = sqrt(x * x + y * y + z * z);
-  return fabs(length - bumpy_radius(x / length, y / length, z / length));
+static double triple(const float *a, const float *b, const float *c) {
+  return c[0] * ((double)a[1] * b[2] - (double)a[2] * b[1]) +
+         c[1] * ((double)a[2] * b[0] - (double)a[0] * b[2]) +
+         c[2] * ((double)a[0] * b[1] - (double)a[1] * b[0]);
+}
+
+/* How many times as far from the centre as the ball's surface a point is. */
+static double reach(const struct whole_ball *whole, const float *p) {
+  int f;
+  for (f = 0; f < WHOLE_FACES; ++f) {
+    const float *a = whole->vertices[whole->faces[f][0]];
+    const float *b = whole->vertices[whole->faces[f][1]];
+    const float *c = whole->vertices[whole->faces[f][2]];
+    const double u = triple(b, c, p), v = triple(c, a, p), w = triple(a, b, p);
+    if (u > -1e-9 && v > -1e-9 && w > -1e-9) return (u + v + w) / triple(a, b, c);
+  }
+  return 1e9; /* a ray between the faces: no test holds */
+}
+
+double off_whole(const struct whole_ball *whole, const float *points, size_t count) {
+  double sum = 0;
+  size_t i;
+  for (i = 0; i < count; ++i) {
+    const float *p = points + 3 * i;
+    const double off = (1 - 1 / reach(whole, p)) * sqrt((double)p[0] * p[0] + (double)p[1] * p[1] +
+                                                       (double)p[2] * p[2]);
+    sum += off * off;
+  }
+  return sqrt(sum / (double)count);
 }
 
 void move_away(struct whole_ball *ball, int mirrored) {

@@ -4,6 +4,7 @@
 #define BALL_H
 
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -53,8 +54,9 @@ void make_whole_ball(struct whole_ball *ball);
 /* Gives a sphere bumps, no two of them alike: moves each vertex along its ray from the centre. */
 void add_bumps(float (*vertices)[3], int count);
 
-/* How far a point is from the sphere with bumps, along its ray. */
-double off_bumps(double x, double y, double z);
+/* How far points are from the faces of a whole ball, along their rays from its centre: the root of
+ * the mean square. The faces and not the bumps, for the mesh shows those only that well. */
+double off_whole(const struct whole_ball *whole, const float *points, size_t count);
 
 /* Turns and moves a whole ball, and mirrors it first if asked to. */
 void move_away(struct whole_ball *ball, int mirrored);

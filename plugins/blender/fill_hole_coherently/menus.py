@@ -35,7 +35,7 @@ class VIEW3D_PT_fill_hole_coherently(bpy.types.Panel):
         column.operator(OPERATOR, icon="MOD_REMESH")
         if context.mode == "EDIT_MESH":
             # Where the selection touches no hole, no redo panel comes up in which to choose this.
-            column.operator(OPERATOR, text="Copy From Selected Faces").source = "SELECTED"
+            column.operator(OPERATOR, text="Fill From Selected Faces").source = "SELECTED"
 
 
 def add():
