@@ -59,7 +59,7 @@ void check_faces(const CMeshO& mesh) {
       if (like != beyond.end()) likes.push_back(like->second);
     }
     const int like = number(face);
-    at_rim += !likes.empty();
+    at_rim += int(likes.size());
     if (!likes.empty()) wrong += std::find(likes.begin(), likes.end(), like) == likes.end();
     wrong += like < 0 || like >= FACES || face.cC()[2] != 7 || face.cC()[3] != 255;
     wrong += face.cQ() != Scalarm(like);
