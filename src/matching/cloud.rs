@@ -2,6 +2,8 @@
 //! same whatever the density of the mesh.
 
 use super::source::{PointTree, Source};
+use crate::error::Result;
+use crate::progress::Pace;
 use glam::DVec3;
 
 /// Points with normals, evenly spread.
@@ -27,7 +29,11 @@ impl Cloud {
 
     /// The source at a spacing (or as near to it as may be): its vertices, or points on its faces
     /// where the mesh is coarser than that.
-    pub fn of_source(source: &Source, spacing: f64) -> Self {
+    pub fn of_source(
+        source: &Source,
+        spacing: f64,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
         let spacing = Self::spacing(source, spacing);
         if source.edge < spacing {
             let all = source.points.ids().iter();
@@ -35,9 +41,10 @@ impl Cloud {
                 let v = v as usize;
                 (source.positions[v], source.normals[v], source.roughness[v])
             };
-            return Self::thin(all.map(point), spacing);
+            return Self::thin(all.map(point), spacing, check);
         }
         let mut samples = Vec::new();
+        let mut pace = Pace::new(check);
         for face in &source.faces {
             let p = face.map(|v| source.positions[v as usize]);
             let n = face.map(|v| source.normals[v as usize]);
@@ -45,6 +52,7 @@ impl Cloud {
             let longest = (0..3).map(|k| p[k].distance(p[(k + 1) % 3])).fold(0.0, f64::max);
             // The middles of k² small triangles.
             let k = ((longest / spacing).ceil() as usize).clamp(1, 16);
+            pace.work(16 * k * k)?;
             for i in 0..k {
                 for j in 0..2 * (k - i) - 1 {
                     let step = 1.0 / k as f64;
@@ -56,12 +64,16 @@ impl Cloud {
                 }
             }
         }
-        Self::thin(samples.into_iter(), spacing)
+        Self::thin(samples.into_iter(), spacing, check)
     }
 
     /// One point for each cubic cell of width `spacing` and each octant of the normal: the two
     /// sides of a thin wall are not averaged. Points without a normal are left out.
-    pub fn thin(points: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone, spacing: f64) -> Self {
+    pub fn thin(
+        points: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone,
+        spacing: f64,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
         let low = points.clone().fold(DVec3::INFINITY, |low, (p, ..)| low.min(p));
         let points: Vec<_> = points.filter(|(_, n, _)| *n != DVec3::ZERO).collect();
         let mut cells: Vec<([u32; 3], u8, u32)> = points
@@ -72,8 +84,10 @@ impl Cloud {
                 (cell, n.cmplt(DVec3::ZERO).bitmask() as u8, i as u32)
             })
             .collect();
+        check()?;
         // By index at last, so that the sums below run in input order.
         cells.sort_unstable();
+        check()?;
         let (mut means, mut normals, mut roughness) = (Vec::new(), Vec::new(), Vec::new());
         for same in cells.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let count = same.len() as f64;
@@ -82,7 +96,8 @@ impl Cloud {
             normals.push(members().map(|m| m.1).sum::<DVec3>().normalize_or_zero());
             roughness.push(members().map(|m| m.2).sum::<f64>() / count);
         }
-        Self { tree: PointTree::of_all(&means), points: means, normals, roughness }
+        let tree = PointTree::of_all(&means, check)?;
+        Ok(Self { tree, points: means, normals, roughness })
     }
 }
 
@@ -97,7 +112,7 @@ mod tests {
     fn a_cloud_covers_the_surface_at_its_spacing() {
         let source = hilly_source(60);
         for spacing in [0.15, 0.02] {
-            let cloud = Cloud::of_source(&source, spacing);
+            let cloud = Cloud::of_source(&source, spacing, &|| Ok(())).unwrap();
             let wanted = source.area / (spacing * spacing);
             let ratio = cloud.points.len() as f64 / wanted;
             assert!((0.7..2.5).contains(&ratio), "{ratio}");
@@ -116,7 +131,7 @@ mod tests {
     fn sides_of_a_wall_stay_apart_and_points_without_normal_go() {
         let points = [(0.01, 1.0), (0.02, 1.0), (0.03, -1.0), (0.04, 0.0)]
             .map(|(z, n)| (DVec3::new(0.0, 0.0, z), DVec3::Z * n, z));
-        let cloud = Cloud::thin(points.into_iter(), 1.0);
+        let cloud = Cloud::thin(points.into_iter(), 1.0, &|| Ok(())).unwrap();
         assert_eq!(cloud.points.len(), 2);
         let up = cloud.normals.iter().position(|n| n.z > 0.0).unwrap();
         assert!((cloud.points[up].z - 0.015).abs() < 1e-12);

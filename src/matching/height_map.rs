@@ -455,7 +455,7 @@ mod tests {
             let (p, m) = hills(side(k % n), side(k / n));
             (t.point(p), t.direction(m), 0.0)
         });
-        Cloud::thin(points, 0.04)
+        Cloud::thin(points, 0.04, &|| Ok(())).unwrap()
     }
 
     fn map_at(cloud: &Cloud, p: DVec3, n: DVec3, radius: f64) -> HeightMap {
@@ -468,7 +468,7 @@ mod tests {
     #[test]
     fn hills_are_found_again() {
         let radius = 0.8;
-        let cloud = Cloud::of_source(&hilly_source(60), 0.04);
+        let cloud = Cloud::of_source(&hilly_source(60), 0.04, &|| Ok(())).unwrap();
         let places: Vec<HeightMap> = (0..25)
             .map(|k| {
                 let (p, _) = hills(0.2 * (k % 5) as f64 - 0.4, 0.2 * (k / 5) as f64 - 0.4);
@@ -510,7 +510,7 @@ mod tests {
                 let (x, y) = (side(k % n), side(k / n));
                 (DVec3::new(x, y, slope * x + lift), DVec3::Z, 0.0)
             });
-            Cloud::thin(points, 0.04)
+            Cloud::thin(points, 0.04, &|| Ok(())).unwrap()
         };
         let map = |cloud: &Cloud| map_at(cloud, DVec3::ZERO, DVec3::Z, 1.0);
         let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, 1.0);
