@@ -71,9 +71,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
     if let [sample, kind, resolution, size] = &given[..] {
         let sample = Sample::ALL.into_iter().find(|s| s.name() == sample);
-        let kind = [Break::Ragged, Break::Disc, Break::Islands, Break::Ring, Break::Crack, Break::Several]
-            .into_iter()
-            .find(|k| k.name() == kind);
+        let kind =
+            [Break::Ragged, Break::Disc, Break::Islands, Break::Ring, Break::Crack, Break::Several]
+                .into_iter()
+                .find(|k| k.name() == kind);
         let (Some(sample), Some(kind)) = (sample, kind) else {
             return Err("no such sample or break".into());
         };

@@ -123,7 +123,8 @@ pub fn complete_hole(
     // Parts of the whole by what the search and the two looks cost.
     let cost = Cost::of(domain.fill.len(), library.known.area / domain.radius.powi(2));
     let search = cost.search / cost.all();
-    let scope = Scope { around, library, threads, check, search, first: search + 0.5 * (1.0 - search) };
+    let scope =
+        Scope { around, library, threads, check, search, first: search + 0.5 * (1.0 - search) };
     // In parts where the hole is long or bends around the object.
     let Some(whole) = one_window(&domain).filter(|_| !domain.is_slender()) else {
         let Some(narrow) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
@@ -153,7 +154,9 @@ pub fn complete_hole(
     let Some(window) = one_window(&domain) else { return Ok(Some(first)) };
     let transforms: Vec<_> = views[0].copies.iter().map(|c| c.transform).collect();
     let roughness = scope.roughness(&window.domain);
-    let views = look(&window, source, &transforms, roughness, threads, &|part| check(scope.first + (1.0 - scope.first) * part))?;
+    let views = look(&window, source, &transforms, roughness, threads, &|part| {
+        check(scope.first + (1.0 - scope.first) * part)
+    })?;
     let views: Vec<View<'_>> = views.into_iter().collect();
     Ok(finish(&patch, source, &domain, &views).or(Some(first)))
 }

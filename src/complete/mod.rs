@@ -76,7 +76,13 @@ impl<'a> Completer<'a> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
         monitor.step(0.0, "finding holes")?;
         let holes = find_holes(mesh, grouping, monitor)?;
-        Ok(Self { mesh, holes, library: Mutex::default(), last: Mutex::default(), spent: (clock.elapsed(), cpu.elapsed()) })
+        Ok(Self {
+            mesh,
+            holes,
+            library: Mutex::default(),
+            last: Mutex::default(),
+            spent: (clock.elapsed(), cpu.elapsed()),
+        })
     }
 
     /// What coherent completions copy from, kept until other sources are asked for.

@@ -207,8 +207,7 @@ fn align_all(
     let found = parallel::map_part(matches.len(), threads, &|part| check(0.4 * part), &first)?;
     let found = merge(found, target, effort.fine);
     let second = |i: usize| improve(&found[i], &fine, Partner::Surface, 15);
-    let found =
-        parallel::map_part(found.len(), threads, &|part| check(0.4 + 0.4 * part), &second)?;
+    let found = parallel::map_part(found.len(), threads, &|part| check(0.4 + 0.4 * part), &second)?;
     let mut found = merge(found, target, effort.fine);
     // The best also by a wider ring, whole: where the near one is plain, or not quite alike.
     let wide = wide_ring(known, target);

@@ -67,11 +67,7 @@ impl Piece {
 
 impl PointTree {
     /// Over the points whose indices are given.
-    pub fn new(
-        points: &[DVec3],
-        ids: Vec<u32>,
-        check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<Self> {
+    pub fn new(points: &[DVec3], ids: Vec<u32>, check: &dyn Fn(f64) -> Result<()>) -> Result<Self> {
         let (mut pieces, mut done) = (Vec::new(), 0);
         let mut whole = vec![ids.clone()];
         while let Some(mut part) = whole.pop() {

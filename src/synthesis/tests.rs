@@ -197,7 +197,8 @@ fn a_source_that_covers_too_little_is_refused() {
     let kept: Vec<[u32; 3]> =
         object.faces.iter().zip(&object.hole).filter(|f| !*f.1).map(|f| *f.0).collect();
     let vertices: Vec<[f64; 3]> = object.positions.iter().map(|p| p.to_array()).collect();
-    let broken = Source::new(MeshView::new(&vertices[..], &kept[..]), [].into_iter(), &|_| Ok(())).unwrap();
+    let broken =
+        Source::new(MeshView::new(&vertices[..], &kept[..]), [].into_iter(), &|_| Ok(())).unwrap();
     assert!(project(&d, &broken, &Rigid::IDENTITY).is_none(), "the hole itself is no source");
 }
 

@@ -70,14 +70,17 @@ pub fn look<'a>(
 ) -> Result<Option<View<'a>>> {
     let domain = &window.domain;
     let one = |i: usize| project(domain, source, &candidates[i]);
-    let copies: Vec<Copy> = crate::parallel::map_part(candidates.len(), threads, &|part| check(0.4 * part), &one)?
-        .into_iter()
-        .flatten()
-        .collect();
+    let copies: Vec<Copy> =
+        crate::parallel::map_part(candidates.len(), threads, &|part| check(0.4 * part), &one)?
+            .into_iter()
+            .flatten()
+            .collect();
     if copies.is_empty() || domain.fill.is_empty() {
         return Ok(None);
     }
-    let Some(fitted) = fit(domain, &copies, threads, &|part| check(0.4 + 0.3 * part))? else { return Ok(None) };
+    let Some(fitted) = fit(domain, &copies, threads, &|part| check(0.4 + 0.3 * part))? else {
+        return Ok(None);
+    };
     let scores = score(domain, &copies, &fitted, roughness);
     check(0.7)?;
     let (first, n) = (domain.fill.start, domain.fill.len());
