@@ -24,6 +24,7 @@ use crate::progress::Pace;
 use crate::result::{Origin, SourceReport};
 use crate::synthesis::domain::{Domain, Extent};
 use crate::synthesis::join::join;
+use crate::synthesis::resemblance::coherence_error;
 use crate::synthesis::view::{look, View};
 use crate::synthesis::window::{one_window, plan_windows, Window};
 use glam::DVec3;
@@ -134,31 +135,27 @@ pub fn complete_hole(
     };
     let whole = [whole];
     let views = scope.look_through(&whole)?;
-    let Some((mut patch, story)) = finish(&fill.patch, library.source(), &domain, &views) else {
+    let Some((patch, story)) = finish(&fill.patch, library.source(), &domain, &views) else {
         return Ok(None);
     };
-    let source = library.source();
     if views[0].doubt > 0.0 {
         return Ok(Some((patch, story)));
     }
     // Again on the surface found: triangles where it is steep, lines that meet it at right angles.
-    let stop = || check(scope.first);
-    let first = (patch.clone(), story);
+    let mut finer = patch.clone();
     if around.sizing == Sizing::Surroundings {
-        take_density(&mut patch, &views[0], source);
+        take_density(&mut finer, &views[0], library.source());
     }
-    if !refine(&mut patch, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
-        return Ok(Some(first));
+    let stop = || check(scope.first);
+    if !refine(&mut finer, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
+        return Ok(Some((patch, story)));
     }
-    let Some(domain) = domain_of(&patch, Extent::Found) else { return Ok(Some(first)) };
-    let Some(window) = one_window(&domain) else { return Ok(Some(first)) };
-    let transforms: Vec<_> = views[0].copies.iter().map(|c| c.transform).collect();
-    let roughness = scope.roughness(&window.domain);
-    let views = look(&window, source, &transforms, roughness, threads, &|part| {
-        check(scope.first + (1.0 - scope.first) * part)
-    })?;
-    let views: Vec<View<'_>> = views.into_iter().collect();
-    Ok(finish(&patch, source, &domain, &views).or(Some(first)))
+    let domain = domain_of(&finer, Extent::Found);
+    let second = match domain {
+        Some(domain) => scope.look_again(&finer, &domain, &views[0], story.coherence_error)?,
+        None => None,
+    };
+    Ok(second.or(Some((patch, story))))
 }
 
 /// Where the copies' triangles are smaller than those around the hole, the fill's shall be, too.
@@ -236,6 +233,34 @@ impl Scope<'_> {
         Ok(views)
     }
 
+    /// Looks at what a view saw once more, over a surface that was found so. `error`: what the first look
+    /// says of the coherence error.
+    fn look_again(
+        &self,
+        found: &Patch,
+        domain: &Domain,
+        first: &View<'_>,
+        error: Option<[f64; 2]>,
+    ) -> Result<Option<(Patch, Story)>> {
+        let Some(window) = one_window(domain) else { return Ok(None) };
+        let source = self.library.source();
+        let transforms: Vec<_> = first.copies.iter().map(|c| c.transform).collect();
+        let roughness = self.roughness(&window.domain);
+        let stop = |part: f64| (self.check)(self.first + (1.0 - self.first) * part);
+        let views: Vec<View<'_>> =
+            look(&window, source, &transforms, roughness, self.threads, &stop)?
+                .into_iter()
+                .collect();
+        let Some((patch, mut story)) = finish(found, source, domain, &views) else {
+            return Ok(None);
+        };
+        // What it was before is what it was before both looks.
+        if let (Some(both), Some(first)) = (&mut story.coherence_error, error) {
+            both[0] = first[0];
+        }
+        Ok(Some((patch, story)))
+    }
+
     /// Mean roughness of the ring, see [`Source::roughness`].
     fn roughness(&self, domain: &Domain) -> f64 {
         let of = |&v: &usize| {
@@ -256,11 +281,14 @@ fn finish(
         return None;
     }
     let joined = join(domain, views)?;
+    let before = coherence_error(views, &|_| 0.0);
+    let after = coherence_error(views, &|i| joined.heights[i]);
     let mut patch = initial.clone();
     for (i, v) in domain.fill.clone().enumerate() {
         patch.positions[v] = domain.sheet.positions[v] + joined.heights[i] * domain.directions[v];
     }
-    Some((patch, tell(source, views, &joined.labels)))
+    let coherence_error = Some([before, after]).filter(|e| e[0].is_finite());
+    Some((patch, Story { coherence_error, ..tell(source, views, &joined.labels) }))
 }
 
 /// Where each vertex comes from. `labels`: view and copy of each fill vertex.
@@ -301,5 +329,5 @@ fn tell(source: &Source, views: &[View<'_>], labels: &[Option<(usize, usize)>]) 
         .collect();
     let confidence =
         origins.iter().map(|o| o.confidence).sum::<f64>() / origins.len().max(1) as f64;
-    Story { origins, sources, confidence }
+    Story { origins, sources, confidence, coherence_error: None }
 }

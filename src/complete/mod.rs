@@ -4,6 +4,7 @@
 mod check;
 mod coherent;
 pub mod harary;
+mod initial;
 mod smooth;
 mod workers;
 
@@ -22,6 +23,7 @@ use check::{Obstacles, Rounding};
 use coherent::{Cost, Library};
 use cpu_time::ProcessTime;
 use glam::DVec3;
+use initial::InitialFaces;
 use smooth::{fill_hole, Fill, Surroundings};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -123,6 +125,8 @@ impl<'a> Completer<'a> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
         options.check()?;
         options.sources.check(self.mesh.faces.len())?;
+        let vertices = self.mesh.vertices.len();
+        options.initial.as_ref().map_or(Ok(()), |i| i.check(vertices))?;
         let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
         let todo = self.safe_holes(&wanted, options)?;
         // The thread count cannot change the result.
@@ -138,7 +142,9 @@ impl<'a> Completer<'a> {
         let near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
         let incidence = Incidence::new(&near);
         let single = self.mesh.vertices.is_single();
+        let initial = options.initial.as_ref().map(|i| InitialFaces::new(i, vertices));
         let around = Surroundings {
+            initial: initial.as_ref(),
             input_vertices: self.mesh.vertices.len(),
             near: &near,
             incidence: &incidence,
@@ -222,7 +228,10 @@ impl<'a> Completer<'a> {
         let share = if options.method == Method::Coherent { SMOOTH_SHARE } else { 1.0 };
         let early = |part: f64| check(share * part);
         let late = |part: f64| check(share + (1.0 - share) * part);
-        let mut filled = fill_hole(around, &loops, obstacles, &early)?;
+        let mut filled = match around.initial {
+            Some(initial) => initial.fill_hole(around, &loops, obstacles, &early)?,
+            None => fill_hole(around, &loops, obstacles, &early)?,
+        };
         if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
             let making = self.making(fill);
@@ -285,6 +294,7 @@ impl<'a> Completer<'a> {
         let made = coherent::complete_hole(around, fill, library, threads, check)?;
         let Some((patch, story)) = made else { return Ok(()) };
         if let Ok(patch) = obstacles.settle(around, patch, &|| check(1.0))? {
+            fill.coherence_error = story.coherence_error;
             (fill.patch, fill.story, fill.method) = (patch, Some(story), Method::Coherent);
         }
         Ok(())

@@ -3,9 +3,11 @@
 
 use crate::error::Result;
 use crate::intersect::Bvh;
+use crate::mesh::boundary::find_boundary;
+use crate::mesh::normals::vertex_normals;
 use crate::mesh::MeshView;
 use crate::options::Sources;
-use crate::progress::Pace;
+use crate::progress::{Monitor, Pace};
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -126,13 +128,19 @@ impl PointTree {
 
     /// All points within a radius, in ascending order of their indices.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<u32> {
+        let mut found = self.within_unsorted(p, radius);
+        found.sort_unstable();
+        found
+    }
+
+    /// All points within a radius, in the order of the tree, which is the same for the same points.
+    pub fn within_unsorted(&self, p: DVec3, radius: f64) -> Vec<u32> {
         let square = radius * radius;
         let mut found = Vec::new();
         for piece in self.pieces.iter().filter(|piece| piece.distance2(p) <= square) {
             let near = piece.tree.within_unsorted::<SquaredEuclidean>(&p.to_array(), square);
             found.extend(near.iter().map(|n| piece.ids[n.item as usize]));
         }
-        found.sort_unstable();
         found
     }
 }
@@ -164,8 +172,9 @@ impl Source {
         let mut parts = Parts::of(mesh, boundary, &may, &|| check(0.0))?;
         if let Some(exemplar) = &sources.exemplar {
             let view = MeshView::new(&exemplar.vertices[..], &exemplar.faces[..]);
-            let boundary = boundary_of(&exemplar.faces);
-            let exemplar = Parts::of(view, boundary.into_iter(), &|_| true, &|| check(0.05))?;
+            let edges = find_boundary(view, &Monitor::silent())?.edges;
+            let boundary = edges.iter().flat_map(|e| [e.from, e.to]);
+            let exemplar = Parts::of(view, boundary, &|_| true, &|| check(0.05))?;
             parts.append(exemplar, mesh.faces.len());
         }
         parts.build(check)
@@ -229,23 +238,17 @@ impl Parts {
         let mut pace = Pace::new(check);
         let n = mesh.vertices.len();
         let positions: Vec<DVec3> = (0..n).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
-        let mut normals = vec![DVec3::ZERO; n];
+        let all = || (0..mesh.faces.len()).map(|f| mesh.faces.get(f));
+        let normals = vertex_normals(&positions, all());
         let (mut faces, mut face_ids) = (Vec::with_capacity(mesh.faces.len()), Vec::new());
-        for f in 0..mesh.faces.len() {
+        for (f, face) in all().enumerate().filter(|(f, _)| may(*f)) {
             pace.work(FACE)?;
-            let face = mesh.faces.get(f);
-            let p = face.map(|v| positions[v as usize]);
-            let normal = (p[1] - p[0]).cross(p[2] - p[0]);
-            if normal == DVec3::ZERO {
-                continue;
-            }
-            face.iter().for_each(|&v| normals[v as usize] += normal);
-            if may(f) {
+            let [a, b, c] = face.map(|v| positions[v as usize]);
+            if (b - a).cross(c - a) != DVec3::ZERO {
                 faces.push(face);
                 face_ids.push(f as u32);
             }
         }
-        normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
         let mut on_boundary = vec![false; n];
         boundary.for_each(|v| on_boundary[v as usize] = true);
         Ok(Self { positions, normals, on_boundary, faces, face_ids })
@@ -290,16 +293,6 @@ impl Parts {
             on_boundary,
         })
     }
-}
-
-/// Vertices on edges that one face alone has.
-fn boundary_of(faces: &[[u32; 3]]) -> Vec<u32> {
-    let edge = |f: &[u32; 3], k: usize| (f[k].min(f[(k + 1) % 3]), f[k].max(f[(k + 1) % 3]));
-    let mut edges: Vec<(u32, u32)> =
-        faces.iter().flat_map(|f| [0, 1, 2].map(|k| edge(f, k))).collect();
-    edges.sort_unstable();
-    let single = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
-    single.flat_map(|same| [same[0].0, same[0].1]).collect()
 }
 
 /// Of each vertex the mean over its edges of the roughness and of the length.
@@ -435,7 +428,7 @@ pub(crate) mod tests {
     fn degenerate_faces_are_left_out_and_ids_stay() {
         let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let faces = [[0, 1, 2], [0, 1, 3], [1, 2, 3]];
-        let source = Source::new(MeshView::new(&vertices[..], &faces[..]), [2].into_iter());
+        let source = Source::new(MeshView::new(&vertices[..], &faces[..]), [2].into_iter(), &|_| Ok(())).unwrap();
         assert_eq!(source.faces, [[0, 1, 3], [1, 2, 3]]);
         assert_eq!(source.face_ids, [1, 2]);
         assert_eq!(source.area, 1.0);
@@ -449,7 +442,7 @@ pub(crate) mod tests {
             .map(|i| DVec3::new((i * 37 % 101) as f64, (i * 53 % 89) as f64, (i % 7) as f64))
             .collect();
         let even: Vec<u32> = (0..200).step_by(2).collect();
-        let tree = PointTree::new(&points, even.clone());
+        let tree = PointTree::new(&points, even.clone(), &|_| Ok(())).unwrap();
         for q in &points {
             let d = |i: &u32| points[*i as usize].distance_squared(*q + 0.3);
             let nearest = even.iter().map(d).fold(f64::INFINITY, f64::min);
@@ -458,7 +451,7 @@ pub(crate) mod tests {
             let near: Vec<u32> = even.iter().copied().filter(|i| d(i) < 400.0).collect();
             assert_eq!(tree.within(*q + 0.3, 20.0), near);
         }
-        let none = PointTree::of_all(&[]);
+        let none = PointTree::of_all(&[], &|| Ok(())).unwrap();
         assert!(none.nearest(DVec3::ZERO).is_none() && none.within(DVec3::ZERO, 1e9).is_empty());
     }
 }

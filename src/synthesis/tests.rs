@@ -8,7 +8,7 @@ use super::rank::{known_normals, score, weights, Scores};
 use super::view::{look, View};
 use super::window::{one_window, plan_windows, Window};
 use crate::descriptor::curvature::tests::grid;
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::fill::patch::Patch;
 use crate::fill::sheet::Incidence;
 use crate::matching::rigid::Rigid;
@@ -18,10 +18,6 @@ use crate::mesh::neighbourhood::Neighbourhood;
 use crate::mesh::MeshView;
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
-
-fn go_on() -> Result<()> {
-    Ok(())
-}
 
 /// A whole mesh, of which a part is a hole.
 struct Object {
