@@ -14,6 +14,8 @@ use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::fill::refine::refine;
 use crate::matching::cloud::Cloud;
+use crate::matching::height_map::Candidate;
+use crate::matching::icp::RingPoint;
 use crate::matching::search::{
     cloud_at, cloud_scale, find_candidates, radius_at, scale_of, Maps, Target,
 };
@@ -47,6 +49,37 @@ pub struct Library {
     maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
     /// Of what is known, and of what was chosen.
     clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
+    /// What was searched for, and found: a hole that looks the same again is not searched again.
+    found: Mutex<Vec<(Vec<Sought>, Found)>>,
+}
+
+/// The candidates of each of some windows.
+type Found = Arc<Vec<Vec<Candidate>>>;
+
+/// Searches kept; a hole's takes some hundred kilobytes.
+const KEPT: usize = 256;
+
+/// All that the candidates of a window depend on, but the library.
+#[derive(PartialEq)]
+struct Sought {
+    centre: DVec3,
+    normal: DVec3,
+    radius: f64,
+    fill: Vec<DVec3>,
+    ring: Vec<RingPoint>,
+}
+
+impl Sought {
+    fn of(target: &Target<'_>) -> Self {
+        let Target { centre, normal, radius, .. } = *target;
+        Self { centre, normal, radius, fill: target.fill.into(), ring: target.ring.into() }
+    }
+
+    fn is(&self, target: &Target<'_>) -> bool {
+        let Target { centre, normal, radius, fill, ring } = *target;
+        let place = (self.centre, self.normal, self.radius) == (centre, normal, radius);
+        place && self.fill == fill && self.ring == ring
+    }
 }
 
 impl Library {
@@ -65,6 +98,7 @@ impl Library {
             mirrored: !sources.unmirrored,
             maps: Mutex::default(),
             clouds: Default::default(),
+            found: Mutex::default(),
         })
     }
 
@@ -86,6 +120,35 @@ impl Library {
         let of_source = chosen.unwrap_or_else(|| known.clone());
         let make = || Maps::new(self.source(), radius, of_source, known, self.mirrored, check);
         once(&self.maps, scale, make)
+    }
+}
+
+impl Library {
+    /// The candidates for some windows, which share one radius.
+    fn candidates(
+        &self,
+        targets: &[Target<'_>],
+        threads: usize,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Found> {
+        let Some(first) = targets.first() else { return Ok(Found::default()) };
+        let lock = || self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |kept: &&(Vec<Sought>, Found)| {
+            kept.0.len() == targets.len() && kept.0.iter().zip(targets).all(|(s, t)| s.is(t))
+        };
+        if let Some((_, found)) = lock().iter().find(same) {
+            return Ok(found.clone());
+        }
+        let maps = self.maps(first.radius, &|| check(0.0))?;
+        check(0.1)?;
+        let late = |part: f64| check(0.1 + 0.9 * part);
+        let made = find_candidates(&self.known, self.source(), &maps, targets, threads, &late)?;
+        let made = Arc::new(made);
+        let mut kept = lock();
+        if kept.len() < KEPT {
+            kept.push((targets.iter().map(Sought::of).collect(), made.clone()));
+        }
+        Ok(made)
     }
 }
 
@@ -210,20 +273,15 @@ struct Scope<'a> {
 impl Scope<'_> {
     /// Searches for all windows and looks through each.
     fn look_through<'w>(&self, windows: &'w [Window]) -> Result<Vec<View<'w>>> {
-        let Some(first) = windows.first() else { return Ok(Vec::new()) };
         let (source, threads) = (self.library.source(), self.threads);
-        let known = &self.library.known;
-        let maps = self.library.maps(first.domain.radius, &|| (self.check)(0.0))?;
-        (self.check)(0.1 * self.search)?;
         let rings: Vec<Vec<(DVec3, DVec3)>> =
             windows.iter().map(|w| w.domain.ring_points()).collect();
         let targets: Vec<Target<'_>> =
             windows.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
-        let found = find_candidates(known, source, &maps, &targets, threads, &|part| {
-            (self.check)((0.1 + 0.9 * part) * self.search)
-        })?;
+        let check = |part: f64| (self.check)(part * self.search);
+        let found = self.library.candidates(&targets, threads, &check)?;
         let mut views = Vec::new();
-        for (i, (window, candidates)) in windows.iter().zip(found).enumerate() {
+        for (i, (window, candidates)) in windows.iter().zip(found.iter()).enumerate() {
             let part = |part: f64| (i as f64 + part) / windows.len() as f64;
             let at = |p: f64| (self.check)(self.search + (self.first - self.search) * part(p));
             let transforms: Vec<_> = candidates.iter().map(|c| c.transform).collect();

@@ -1,6 +1,6 @@
 //! Candidates for one hole: places on the source that look like its ring, aligned.
 
-use super::cloud::Cloud;
+use super::cloud::{thin, Cloud, Thinned};
 use super::height_map::{keep_different, Candidate, Frame, HeightMap, RingPattern};
 use super::icp::{align, misfit, Partner, RingPoint, KEEP};
 use super::source::Source;
@@ -69,7 +69,7 @@ pub struct Maps {
     known: Arc<Cloud>,
     /// Whether mirrored copies may be made.
     mirrored: bool,
-    centres: Cloud,
+    centres: Thinned,
     maps: Vec<OnceLock<Option<HeightMap>>>,
 }
 
@@ -117,8 +117,9 @@ impl Maps {
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
-        let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0);
-        let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing, check)?;
+        let Thinned { points, normals, .. } = &cloud.thinned;
+        let point = |i: usize| (points[i], normals[i], 0.0);
+        let centres = thin((0..points.len()).map(point), spacing, check)?;
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
         Ok(Self { radius, cloud, known, mirrored, centres, maps })
     }
@@ -128,9 +129,11 @@ impl Maps {
         let make = || {
             let (centre, normal) = (self.centres.points[c], self.centres.normals[c]);
             let reach = REACH * self.radius;
-            let ids = self.cloud.tree.within_unsorted(centre, reach);
-            let frame = frame_at(&self.cloud, &ids, centre, normal, self.radius)?;
-            Some(HeightMap::new(&self.cloud, &ids, frame, reach))
+            let near = self.cloud.blocks.near(centre, reach);
+            // Moved onto the surface's mean plane.
+            let mean = self.cloud.blocks.sum_normals(&near, normal, PLANE * self.radius);
+            let frame = (mean != DVec3::ZERO).then(|| Frame::new(centre, mean.normalize()))?;
+            Some(HeightMap::new(&self.cloud, &near, frame, reach))
         };
         self.maps[c].get_or_init(make).as_ref()
     }
@@ -234,7 +237,7 @@ fn search_maps(
         .iter()
         .flat_map(|target| {
             let frame = Frame::new(target.centre, target.normal);
-            let around = maps.known.tree.within(target.centre, 1.5 * reach);
+            let around = maps.known.blocks.near(target.centre, 1.5 * reach);
             let known = HeightMap::new(&maps.known, &around, frame, reach);
             let ring =
                 |w: &f64| RingPattern::new(&known, target.fill, reach, (1.0 + w) * target.radius);
@@ -267,25 +270,6 @@ fn search_maps(
     };
     let kept: Vec<Vec<Candidate>> = by_pattern.into_iter().enumerate().map(best).collect();
     Ok(kept.chunks(widths.len()).map(|c| c.concat()).collect())
-}
-
-/// The frame of a source map: the centre moved onto the surface's mean plane, the mean normal.
-fn frame_at(
-    cloud: &Cloud,
-    ids: &[u32],
-    centre: DVec3,
-    normal: DVec3,
-    radius: f64,
-) -> Option<Frame> {
-    let near = (PLANE * radius).powi(2);
-    let mut mean = DVec3::ZERO;
-    for &i in ids {
-        let (p, n) = (cloud.points[i as usize], cloud.normals[i as usize]);
-        if n.dot(normal) > 0.0 && p.distance_squared(centre) < near {
-            mean += n;
-        }
-    }
-    (mean.length() > 0.0).then(|| Frame::new(centre, mean.normalize()))
 }
 
 /// Known points up to a whole radius from the hole, on the target's side.

@@ -4,7 +4,7 @@
 use crate::error::Result;
 use crate::intersect::Bvh;
 use crate::mesh::boundary::find_boundary;
-use crate::mesh::normals::vertex_normals;
+use crate::mesh::normals::vertex_normals_checked;
 use crate::mesh::MeshView;
 use crate::options::Sources;
 use crate::progress::{Monitor, Pace};
@@ -128,19 +128,13 @@ impl PointTree {
 
     /// All points within a radius, in ascending order of their indices.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<u32> {
-        let mut found = self.within_unsorted(p, radius);
-        found.sort_unstable();
-        found
-    }
-
-    /// All points within a radius, in the order of the tree, which is the same for the same points.
-    pub fn within_unsorted(&self, p: DVec3, radius: f64) -> Vec<u32> {
         let square = radius * radius;
         let mut found = Vec::new();
         for piece in self.pieces.iter().filter(|piece| piece.distance2(p) <= square) {
             let near = piece.tree.within_unsorted::<SquaredEuclidean>(&p.to_array(), square);
             found.extend(near.iter().map(|n| piece.ids[n.item as usize]));
         }
+        found.sort_unstable();
         found
     }
 }
@@ -215,8 +209,9 @@ impl Source {
     }
 }
 
-/// Elementary steps that a pass takes for a face.
+/// Elementary steps that a pass takes for a face, and for a vertex.
 const FACE: usize = 8;
+const VERTEX: usize = 4;
 
 /// A source that is being put together.
 struct Parts {
@@ -237,9 +232,13 @@ impl Parts {
     ) -> Result<Self> {
         let mut pace = Pace::new(check);
         let n = mesh.vertices.len();
-        let positions: Vec<DVec3> = (0..n).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
+        let mut positions = Vec::with_capacity(n);
+        for v in 0..n {
+            pace.work(VERTEX)?;
+            positions.push(DVec3::from(mesh.vertices.get(v)));
+        }
         let all = || (0..mesh.faces.len()).map(|f| mesh.faces.get(f));
-        let normals = vertex_normals(&positions, all());
+        let normals = vertex_normals_checked(&positions, all(), check)?;
         let (mut faces, mut face_ids) = (Vec::with_capacity(mesh.faces.len()), Vec::new());
         for (f, face) in all().enumerate().filter(|(f, _)| may(*f)) {
             pace.work(FACE)?;
@@ -428,7 +427,9 @@ pub(crate) mod tests {
     fn degenerate_faces_are_left_out_and_ids_stay() {
         let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let faces = [[0, 1, 2], [0, 1, 3], [1, 2, 3]];
-        let source = Source::new(MeshView::new(&vertices[..], &faces[..]), [2].into_iter(), &|_| Ok(())).unwrap();
+        let source =
+            Source::new(MeshView::new(&vertices[..], &faces[..]), [2].into_iter(), &|_| Ok(()))
+                .unwrap();
         assert_eq!(source.faces, [[0, 1, 3], [1, 2, 3]]);
         assert_eq!(source.face_ids, [1, 2]);
         assert_eq!(source.area, 1.0);
