@@ -33,10 +33,21 @@ pub fn map<T: Send>(
     check: &dyn Fn() -> Result<()>,
     f: &(dyn Fn(usize) -> T + Sync),
 ) -> Result<Vec<T>> {
+    map_part(count, threads, &|_| check(), f)
+}
+
+/// The same; `check` is told which part of the items is done.
+pub fn map_part<T: Send>(
+    count: usize,
+    threads: usize,
+    check: &dyn Fn(f64) -> Result<()>,
+    f: &(dyn Fn(usize) -> T + Sync),
+) -> Result<Vec<T>> {
+    let part = |done: usize| done as f64 / count.max(1) as f64;
     if threads <= 1 || count <= 1 {
         return (0..count)
             .map(|i| {
-                check()?;
+                check(part(i))?;
                 Ok(f(i))
             })
             .collect();
@@ -44,7 +55,7 @@ pub fn map<T: Send>(
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let (send, receive) = mpsc::channel();
     let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
-    let (mut panic, mut answer) = (None, Ok(()));
+    let (mut panic, mut answer, mut done) = (None, Ok(()), 0);
     std::thread::scope(|scope| {
         for _ in 0..threads.min(count) {
             let (send, next, stop) = (send.clone(), &next, &stop);
@@ -66,14 +77,17 @@ pub fn map<T: Send>(
         loop {
             // Results that keep coming must not put the question off.
             match receive.recv_timeout(BEAT.saturating_sub(asked.elapsed())) {
-                Ok((i, Ok(result))) => results[i] = Some(result),
+                Ok((i, Ok(result))) => {
+                    results[i] = Some(result);
+                    done += 1;
+                }
                 Ok((_, Err(payload))) => panic = Some(payload),
                 Err(mpsc::RecvTimeoutError::Timeout) => {}
                 Err(mpsc::RecvTimeoutError::Disconnected) => break,
             }
             if asked.elapsed() >= BEAT {
                 if answer.is_ok() {
-                    answer = check();
+                    answer = check(part(done));
                 }
                 asked = Instant::now();
             }
@@ -86,7 +100,7 @@ pub fn map<T: Send>(
         resume_unwind(payload);
     }
     answer?;
-    check()?;
+    check(1.0)?;
     Ok(results.into_iter().enumerate().map(|(i, r)| r.unwrap_or_else(|| f(i))).collect())
 }
 

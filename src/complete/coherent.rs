@@ -14,6 +14,8 @@ use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::fill::refine::refine;
 use crate::matching::cloud::Cloud;
+use crate::matching::height_map::Candidate;
+use crate::matching::icp::RingPoint;
 use crate::matching::search::{
     cloud_at, cloud_scale, find_candidates, radius_at, scale_of, Maps, Target,
 };
@@ -47,19 +49,56 @@ pub struct Library {
     maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
     /// Of what is known, and of what was chosen.
     clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
+    /// What was searched for, and found: a hole that looks the same again is not searched again.
+    found: Mutex<Vec<(Vec<Sought>, Found)>>,
+}
+
+/// The candidates of each of some windows.
+type Found = Arc<Vec<Vec<Candidate>>>;
+
+/// Searches kept; a hole's takes some hundred kilobytes.
+const KEPT: usize = 256;
+
+/// All that the candidates of a window depend on, but the library.
+#[derive(PartialEq)]
+struct Sought {
+    centre: DVec3,
+    normal: DVec3,
+    radius: f64,
+    fill: Vec<DVec3>,
+    ring: Vec<RingPoint>,
+}
+
+impl Sought {
+    fn of(target: &Target<'_>) -> Self {
+        let Target { centre, normal, radius, .. } = *target;
+        Self { centre, normal, radius, fill: target.fill.into(), ring: target.ring.into() }
+    }
+
+    fn is(&self, target: &Target<'_>) -> bool {
+        let Target { centre, normal, radius, fill, ring } = *target;
+        let place = (self.centre, self.normal, self.radius) == (centre, normal, radius);
+        place && self.fill == fill && self.ring == ring
+    }
 }
 
 impl Library {
     /// Of a mesh with these boundary vertices; maps are made when a hole first asks for them.
-    pub fn new(mesh: MeshView<'_>, boundary: &[u32], sources: &Sources) -> Result<Self> {
+    pub fn new(
+        mesh: MeshView<'_>,
+        boundary: &[u32],
+        sources: &Sources,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Self> {
         let rims = || boundary.iter().copied();
         let chosen = sources.faces.is_some() || sources.exemplar.is_some();
         Ok(Self {
-            known: Source::new(mesh, rims()),
-            chosen: chosen.then(|| Source::chosen(mesh, rims(), sources)).transpose()?,
+            known: Source::new(mesh, rims(), check)?,
+            chosen: chosen.then(|| Source::chosen(mesh, rims(), sources, check)).transpose()?,
             mirrored: !sources.unmirrored,
             maps: Mutex::default(),
             clouds: Default::default(),
+            found: Mutex::default(),
         })
     }
 
@@ -68,25 +107,64 @@ impl Library {
         self.chosen.as_ref().unwrap_or(&self.known)
     }
 
-    fn maps(&self, radius: f64) -> Arc<Maps> {
+    fn maps(&self, radius: f64, check: &dyn Fn() -> Result<()>) -> Result<Arc<Maps>> {
         let edge = self.known.edge;
         let scale = scale_of(edge, radius);
         let radius = radius_at(edge, scale);
         let cloud = |source: &Source, kept: usize| {
             let key = cloud_scale(source, radius);
-            once(&self.clouds[kept], key, || cloud_at(source, key))
+            once(&self.clouds[kept], key, || cloud_at(source, key, check))
         };
-        let known = cloud(&self.known, 0);
-        let of_source = self.chosen.as_ref().map_or(known.clone(), |s| cloud(s, 1));
-        let make = || Maps::new(self.source(), radius, of_source, known, self.mirrored);
+        let known = cloud(&self.known, 0)?;
+        let chosen = self.chosen.as_ref().map(|s| cloud(s, 1)).transpose()?;
+        let of_source = chosen.unwrap_or_else(|| known.clone());
+        let make = || Maps::new(self.source(), radius, of_source, known, self.mirrored, check);
         once(&self.maps, scale, make)
     }
 }
 
+impl Library {
+    /// The candidates for some windows, which share one radius.
+    fn candidates(
+        &self,
+        targets: &[Target<'_>],
+        threads: usize,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Found> {
+        let Some(first) = targets.first() else { return Ok(Found::default()) };
+        let lock = || self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |kept: &&(Vec<Sought>, Found)| {
+            kept.0.len() == targets.len() && kept.0.iter().zip(targets).all(|(s, t)| s.is(t))
+        };
+        if let Some((_, found)) = lock().iter().find(same) {
+            return Ok(found.clone());
+        }
+        let maps = self.maps(first.radius, &|| check(0.0))?;
+        check(0.1)?;
+        let late = |part: f64| check(0.1 + 0.9 * part);
+        let made = find_candidates(&self.known, self.source(), &maps, targets, threads, &late)?;
+        let made = Arc::new(made);
+        let mut kept = lock();
+        if kept.len() < KEPT {
+            kept.push((targets.iter().map(Sought::of).collect(), made.clone()));
+        }
+        Ok(made)
+    }
+}
+
 /// What is kept under a key, made if it is not there: who comes later waits for the first.
-fn once<T>(kept: &Mutex<BTreeMap<i32, Arc<T>>>, key: i32, make: impl FnOnce() -> T) -> Arc<T> {
+fn once<T>(
+    kept: &Mutex<BTreeMap<i32, Arc<T>>>,
+    key: i32,
+    make: impl FnOnce() -> Result<T>,
+) -> Result<Arc<T>> {
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-    kept.entry(key).or_insert_with(|| Arc::new(make())).clone()
+    if let Some(found) = kept.get(&key) {
+        return Ok(found.clone());
+    }
+    let made = Arc::new(make()?);
+    kept.insert(key, made.clone());
+    Ok(made)
 }
 
 /// The coherent completion of a hole whose smooth completion is given. `Ok(None)`: nothing on the
@@ -106,7 +184,11 @@ pub fn complete_hole(
         Domain::new(patch, around.near, around.incidence, rim, edge, extent)
     };
     let Some(domain) = domain_of(&fill.patch, Extent::Whole) else { return Ok(None) };
-    let scope = Scope { around, library, threads, check };
+    // Parts of the whole by what the search and the two looks cost.
+    let cost = Cost::of(domain.fill.len(), library.known.area / domain.radius.powi(2));
+    let search = cost.search / cost.all();
+    let scope =
+        Scope { around, library, threads, check, search, first: search + 0.5 * (1.0 - search) };
     // In parts where the hole is long or bends around the object.
     let Some(whole) = one_window(&domain).filter(|_| !domain.is_slender()) else {
         let Some(narrow) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
@@ -127,7 +209,7 @@ pub fn complete_hole(
     if around.sizing == Sizing::Surroundings {
         take_density(&mut finer, &views[0], library.source());
     }
-    let stop = || check(0.8);
+    let stop = || check(scope.first);
     if !refine(&mut finer, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
         return Ok(Some((patch, story)));
     }
@@ -151,34 +233,60 @@ fn take_density(patch: &mut Patch, view: &View<'_>, source: &Source) {
     }
 }
 
+/// What a hole costs, about, in seconds of some machine: for the progress.
+pub struct Cost {
+    search: f64,
+    /// Two looks.
+    looks: f64,
+}
+
+impl Cost {
+    /// Of a hole with so many new vertices; `area`: the object's, in squares of the hole's radius.
+    pub fn of(vertices: usize, area: f64) -> Self {
+        let n = vertices as f64;
+        let maps = (10.0 * n).clamp(400.0, 4000.0).min(11.0 * area);
+        Self { search: 0.1 + 2e-4 * maps, looks: 0.05 + 4.6e-4 * n }
+    }
+
+    /// Making the library of a mesh.
+    pub fn of_library(vertices: usize) -> f64 {
+        1.1e-6 * vertices as f64
+    }
+
+    /// All of it.
+    pub fn all(&self) -> f64 {
+        self.search + self.looks
+    }
+}
+
 /// What all windows of a hole share.
 struct Scope<'a> {
     around: &'a Surroundings<'a>,
     library: &'a Library,
     threads: usize,
     check: &'a dyn Fn(f64) -> Result<()>,
+    /// Where the search ends in the whole, and where the first look does.
+    search: f64,
+    first: f64,
 }
 
 impl Scope<'_> {
     /// Searches for all windows and looks through each.
     fn look_through<'w>(&self, windows: &'w [Window]) -> Result<Vec<View<'w>>> {
-        let Some(first) = windows.first() else { return Ok(Vec::new()) };
         let (source, threads) = (self.library.source(), self.threads);
-        let known = &self.library.known;
-        let at = |part: f64| move || (self.check)(part);
-        let maps = self.library.maps(first.domain.radius);
-        (self.check)(0.1)?;
         let rings: Vec<Vec<(DVec3, DVec3)>> =
             windows.iter().map(|w| w.domain.ring_points()).collect();
         let targets: Vec<Target<'_>> =
             windows.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
-        let found = find_candidates(known, source, &maps, &targets, threads, &at(0.3))?;
+        let check = |part: f64| (self.check)(part * self.search);
+        let found = self.library.candidates(&targets, threads, &check)?;
         let mut views = Vec::new();
-        for (i, (window, candidates)) in windows.iter().zip(found).enumerate() {
-            let part = 0.5 + 0.4 * i as f64 / windows.len() as f64;
+        for (i, (window, candidates)) in windows.iter().zip(found.iter()).enumerate() {
+            let part = |part: f64| (i as f64 + part) / windows.len() as f64;
+            let at = |p: f64| (self.check)(self.search + (self.first - self.search) * part(p));
             let transforms: Vec<_> = candidates.iter().map(|c| c.transform).collect();
             let roughness = self.roughness(&window.domain);
-            views.extend(look(window, source, &transforms, roughness, threads, &at(part))?);
+            views.extend(look(window, source, &transforms, roughness, threads, &at)?);
         }
         Ok(views)
     }
@@ -196,7 +304,7 @@ impl Scope<'_> {
         let source = self.library.source();
         let transforms: Vec<_> = first.copies.iter().map(|c| c.transform).collect();
         let roughness = self.roughness(&window.domain);
-        let stop = || (self.check)(0.85);
+        let stop = |part: f64| (self.check)(self.first + (1.0 - self.first) * part);
         let views: Vec<View<'_>> =
             look(&window, source, &transforms, roughness, self.threads, &stop)?
                 .into_iter()

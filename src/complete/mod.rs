@@ -20,7 +20,7 @@ pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
 use crate::result::{Completion, HoleReport, HoleStatus, Origin};
 use check::{Obstacles, Rounding};
-use coherent::Library;
+use coherent::{Cost, Library};
 use cpu_time::ProcessTime;
 use glam::DVec3;
 use initial::InitialFaces;
@@ -35,7 +35,7 @@ const REACH: f64 = 0.3;
 const REACH_EDGES: f64 = 6.0;
 
 /// The part of a coherent fill's time in which its initial completion is made.
-const SMOOTH_SHARE: f64 = 0.1;
+const SMOOTH_SHARE: f64 = 0.03;
 
 /// Completes a mesh in one call, in silence. See [`Completer`] for the parts.
 pub fn complete_mesh<'a>(
@@ -63,6 +63,8 @@ pub struct Completer<'a> {
     holes: HoleList,
     /// Made when a coherent completion first asks for it.
     library: Mutex<Option<(Sources, Arc<Library>)>>,
+    /// The last result and what was asked for: a host that redoes need not wait.
+    last: Mutex<Option<(Options, Completion)>>,
     /// Wall and CPU time of finding the holes.
     spent: (Duration, Duration),
 }
@@ -76,20 +78,40 @@ impl<'a> Completer<'a> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
         monitor.step(0.0, "finding holes")?;
         let holes = find_holes(mesh, grouping, monitor)?;
-        Ok(Self { mesh, holes, library: Mutex::default(), spent: (clock.elapsed(), cpu.elapsed()) })
+        Ok(Self {
+            mesh,
+            holes,
+            library: Mutex::default(),
+            last: Mutex::default(),
+            spent: (clock.elapsed(), cpu.elapsed()),
+        })
     }
 
     /// What coherent completions copy from, kept until other sources are asked for.
-    fn library(&self, sources: &Sources) -> Result<Arc<Library>> {
+    fn library(
+        &self,
+        sources: &Sources,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Arc<Library>> {
         let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, library)) = kept.as_ref().filter(|k| k.0 == *sources) {
             return Ok(library.clone());
         }
         let rims: Vec<u32> =
             self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect();
-        let library = Arc::new(Library::new(self.mesh, &rims, sources)?);
+        let library = Arc::new(Library::new(self.mesh, &rims, sources, check)?);
         *kept = Some((sources.clone(), library.clone()));
         Ok(library)
+    }
+
+    /// The part of a coherent fill that making the library is, as it seems from here.
+    fn making(&self, fill: &Fill) -> f64 {
+        if self.library.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
+            return 0.0;
+        }
+        let library = Cost::of_library(self.mesh.vertices.len());
+        let new = fill.patch.positions.len() - fill.patch.rim_count;
+        library / (library + Cost::of(new, f64::INFINITY).all())
     }
 
     /// The holes found.
@@ -107,6 +129,14 @@ impl<'a> Completer<'a> {
         options.initial.as_ref().map_or(Ok(()), |i| i.check(vertices))?;
         let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
         let todo = self.safe_holes(&wanted, options)?;
+        // The thread count cannot change the result.
+        let asked = Options { threads: 0, ..options.clone() };
+        if let Some(mut again) = self.last_if(&asked) {
+            again.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
+            again.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
+            monitor.step(1.0, "done")?;
+            return Ok(again);
+        }
         monitor.step(0.05, "copying the surroundings")?;
         let boxes: Vec<Bounds> = todo.iter().map(|h| self.reach(h)).collect();
         let near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
@@ -137,7 +167,15 @@ impl<'a> Completer<'a> {
         completion.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
         completion.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
         monitor.step(1.0, "done")?;
+        let last = Some((asked, completion.clone()));
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = last;
         Ok(completion)
+    }
+
+    /// The last result, if the same was asked for.
+    fn last_if(&self, asked: &Options) -> Option<Completion> {
+        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        last.as_ref().filter(|l| l.0 == *asked).map(|l| l.1.clone())
     }
 
     /// The selected holes that can be filled; an error for others unless they are to be skipped.
@@ -196,7 +234,9 @@ impl<'a> Completer<'a> {
         };
         if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
-            let library = self.library(&options.sources)?;
+            let making = self.making(fill);
+            let library = self.library(&options.sources, &|part| late(making * part))?;
+            let late = |part: f64| late(making + (1.0 - making) * part);
             self.continue_fill(around, obstacles, fill, &library, threads, &late)?;
         }
         let seconds = clock.elapsed().as_secs_f64();
@@ -253,7 +293,7 @@ impl<'a> Completer<'a> {
     ) -> Result<()> {
         let made = coherent::complete_hole(around, fill, library, threads, check)?;
         let Some((patch, story)) = made else { return Ok(()) };
-        if let Ok(patch) = obstacles.settle(around, patch, &|| check(0.95))? {
+        if let Ok(patch) = obstacles.settle(around, patch, &|| check(1.0))? {
             fill.coherence_error = story.coherence_error;
             (fill.patch, fill.story, fill.method) = (patch, Some(story), Method::Coherent);
         }

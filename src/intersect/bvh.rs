@@ -5,6 +5,7 @@
 //! longest axis, flat array in depth-first order, boxes in f64 so that they are exact.
 
 use super::triangle::Triangle;
+use crate::error::Result;
 use glam::DVec3;
 
 /// Faces in a leaf at most. Measured on the sphere of the bench: 8 makes overlap queries with their
@@ -62,6 +63,9 @@ pub struct ClosestPoint {
     pub distance: f64,
 }
 
+/// The build asks whether to go on about once for so many triangles.
+const CHECKED: usize = 1 << 15;
+
 struct Node {
     bounds: Aabb,
     /// Of a leaf the first entry; of an inner node the right child (the left one follows it).
@@ -88,22 +92,48 @@ struct Item {
 impl Bvh {
     /// Builds the tree over all faces. Face indices must be below `positions.len()`.
     pub fn new(positions: &[DVec3], faces: &[[u32; 3]]) -> Self {
-        Self::from_triangles(faces.iter().enumerate().map(|(i, f)| {
-            let corners = f.map(|v| positions[v as usize]);
-            (i as u32, corners)
-        }))
+        Self::from_triangles(numbered(positions, faces))
+    }
+
+    /// The same; asks `check` now and then whether to go on.
+    pub fn new_checked(
+        positions: &[DVec3],
+        faces: &[[u32; 3]],
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        Self::build(numbered(positions, faces), check)
     }
 
     /// Builds the tree over pairs (face index, corners).
     pub fn from_triangles(triangles: impl Iterator<Item = (u32, Triangle)>) -> Self {
-        let (mut faces, mut triangles): (Vec<u32>, Vec<Triangle>) = triangles.unzip();
+        match Self::build(triangles, &|| Ok(())) {
+            Ok(tree) => tree,
+            Err(_) => unreachable!("nobody asked to stop"),
+        }
+    }
+
+    fn build(
+        triangles: impl Iterator<Item = (u32, Triangle)>,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        let count = triangles.size_hint().0;
+        let (mut faces, mut all) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for (face, triangle) in triangles {
+            if faces.len() % CHECKED == 0 {
+                check()?;
+            }
+            faces.push(face);
+            all.push(triangle);
+        }
+        let mut triangles = all;
         let mut items = grid_centers(&triangles);
+        check()?;
         let mut nodes = Vec::with_capacity(triangles.len());
         if !items.is_empty() {
-            build_node(&mut nodes, &mut items, 0, &triangles);
+            build_node(&mut nodes, &mut items, 0, &triangles, check)?;
         }
-        put_in_order(&mut items, &mut faces, &mut triangles);
-        Self { nodes, faces, triangles }
+        put_in_order(&mut items, &mut faces, &mut triangles, check)?;
+        Ok(Self { nodes, faces, triangles })
     }
 
     /// Box of everything; [`Aabb::EMPTY`] without faces.
@@ -280,8 +310,16 @@ fn line_parameter(origin: DVec3, direction: DVec3, t: &Triangle) -> Option<f64> 
 
 /// Brings faces and triangles into the order of the items, in place: copies of all of them are most of
 /// what a build takes. Follows the cycles of the permutation.
-fn put_in_order(items: &mut [Item], faces: &mut [u32], triangles: &mut [Triangle]) {
+fn put_in_order(
+    items: &mut [Item],
+    faces: &mut [u32],
+    triangles: &mut [Triangle],
+    check: &dyn Fn() -> Result<()>,
+) -> Result<()> {
     for start in 0..items.len() {
+        if start % CHECKED == 0 {
+            check()?;
+        }
         let mut at = start;
         loop {
             let from = std::mem::replace(&mut items[at].index, at as u32) as usize;
@@ -293,17 +331,27 @@ fn put_in_order(items: &mut [Item], faces: &mut [u32], triangles: &mut [Triangle
             at = from;
         }
     }
+    Ok(())
 }
 
 /// Appends the subtree over `items`, whose first entry has the number `first`; returns its box.
-fn build_node(nodes: &mut Vec<Node>, items: &mut [Item], first: u32, all: &[Triangle]) -> Aabb {
+fn build_node(
+    nodes: &mut Vec<Node>,
+    items: &mut [Item],
+    first: u32,
+    all: &[Triangle],
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Aabb> {
     let at = nodes.len();
     let count = items.len();
     if count <= LEAF {
         let bounds =
             (items.iter()).fold(Aabb::EMPTY, |b, i| b.union(&Aabb::of(&all[i.index as usize])));
         nodes.push(Node { bounds, first, count: count as u32 });
-        return bounds;
+        return Ok(bounds);
+    }
+    if count > CHECKED {
+        check()?;
     }
     nodes.push(Node { bounds: Aabb::EMPTY, first: 0, count: 0 });
     let axis = longest_axis(items);
@@ -312,12 +360,20 @@ fn build_node(nodes: &mut Vec<Node>, items: &mut [Item], first: u32, all: &[Tria
     let key = |item: &Item| (u64::from(item.center[axis]) << 32) | u64::from(item.index);
     items.select_nth_unstable_by_key(mid, key);
     let (left, right) = items.split_at_mut(mid);
-    let left_bounds = build_node(nodes, left, first, all);
+    let left_bounds = build_node(nodes, left, first, all, check)?;
     let right_child = nodes.len() as u32;
-    let right_bounds = build_node(nodes, right, first + mid as u32, all);
+    let right_bounds = build_node(nodes, right, first + mid as u32, all, check)?;
     let bounds = left_bounds.union(&right_bounds);
     nodes[at] = Node { bounds, first: right_child, count: 0 };
-    bounds
+    Ok(bounds)
+}
+
+/// Faces with their numbers and corners.
+fn numbered<'a>(
+    positions: &'a [DVec3],
+    faces: &'a [[u32; 3]],
+) -> impl Iterator<Item = (u32, Triangle)> + 'a {
+    faces.iter().enumerate().map(|(i, f)| (i as u32, f.map(|v| positions[v as usize])))
 }
 
 /// The box centres on a cubic grid of 2^32 cells along the longest axis.

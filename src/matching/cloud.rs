@@ -1,19 +1,28 @@
 //! A thinned cloud of the source: one averaged point a cell, so that what is looked at costs the
 //! same whatever the density of the mesh.
 
-use super::source::{PointTree, Source};
+use super::blocks::Blocks;
+use super::source::Source;
+use crate::error::Result;
+use crate::progress::Pace;
 use glam::DVec3;
 
-/// Points with normals, evenly spread.
+/// Points with normals, evenly spread, and a tree over them.
 pub struct Cloud {
+    /// The points.
+    pub thinned: Thinned,
+    /// Over the points.
+    pub blocks: Blocks,
+}
+
+/// Points with normals, evenly spread.
+pub struct Thinned {
     /// Mean positions, in mesh units.
     pub points: Vec<DVec3>,
     /// Mean normals, unit length.
     pub normals: Vec<DVec3>,
     /// Mean roughness, see [`Source::roughness`].
     pub roughness: Vec<f64>,
-    /// Tree over the points.
-    pub tree: PointTree,
 }
 
 /// Points of a cloud at most, so that small holes in large objects stay affordable.
@@ -27,7 +36,11 @@ impl Cloud {
 
     /// The source at a spacing (or as near to it as may be): its vertices, or points on its faces
     /// where the mesh is coarser than that.
-    pub fn of_source(source: &Source, spacing: f64) -> Self {
+    pub fn of_source(
+        source: &Source,
+        spacing: f64,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
         let spacing = Self::spacing(source, spacing);
         if source.edge < spacing {
             let all = source.points.ids().iter();
@@ -35,9 +48,10 @@ impl Cloud {
                 let v = v as usize;
                 (source.positions[v], source.normals[v], source.roughness[v])
             };
-            return Self::thin(all.map(point), spacing);
+            return Self::of_points(thin(all.map(point), spacing, check)?, check);
         }
         let mut samples = Vec::new();
+        let mut pace = Pace::new(check);
         for face in &source.faces {
             let p = face.map(|v| source.positions[v as usize]);
             let n = face.map(|v| source.normals[v as usize]);
@@ -45,6 +59,7 @@ impl Cloud {
             let longest = (0..3).map(|k| p[k].distance(p[(k + 1) % 3])).fold(0.0, f64::max);
             // The middles of k² small triangles.
             let k = ((longest / spacing).ceil() as usize).clamp(1, 16);
+            pace.work(16 * k * k)?;
             for i in 0..k {
                 for j in 0..2 * (k - i) - 1 {
                     let step = 1.0 / k as f64;
@@ -56,39 +71,56 @@ impl Cloud {
                 }
             }
         }
-        Self::thin(samples.into_iter(), spacing)
+        Self::of_points(thin(samples.into_iter(), spacing, check)?, check)
     }
 
-    /// One point for each cubic cell of width `spacing` and each octant of the normal: the two
-    /// sides of a thin wall are not averaged. Points without a normal are left out.
-    pub fn thin(points: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone, spacing: f64) -> Self {
-        let low = points.clone().fold(DVec3::INFINITY, |low, (p, ..)| low.min(p));
-        let points: Vec<_> = points.filter(|(_, n, _)| *n != DVec3::ZERO).collect();
-        let mut cells: Vec<([u32; 3], u8, u32)> = points
-            .iter()
-            .enumerate()
-            .map(|(i, (p, n, _))| {
-                let cell = ((*p - low) / spacing).to_array().map(|x| x as u32);
-                (cell, n.cmplt(DVec3::ZERO).bitmask() as u8, i as u32)
-            })
-            .collect();
-        // By index at last, so that the sums below run in input order.
-        cells.sort_unstable();
-        let (mut means, mut normals, mut roughness) = (Vec::new(), Vec::new(), Vec::new());
-        for same in cells.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            let count = same.len() as f64;
-            let members = || same.iter().map(|c| &points[c.2 as usize]);
-            means.push(members().map(|m| m.0).sum::<DVec3>() / count);
-            normals.push(members().map(|m| m.1).sum::<DVec3>().normalize_or_zero());
-            roughness.push(members().map(|m| m.2).sum::<f64>() / count);
-        }
-        Self { tree: PointTree::of_all(&means), points: means, normals, roughness }
+    /// Over such points.
+    pub fn of_points(thinned: Thinned, check: &dyn Fn() -> Result<()>) -> Result<Self> {
+        let blocks = Blocks::new(&thinned.points, &thinned.normals, check)?;
+        Ok(Self { thinned, blocks })
     }
+}
+
+/// Most cells along an axis, in bits.
+const CELL_BITS: u32 = 28;
+
+/// One point for each cubic cell of width `spacing` and each octant of the normal: the two
+/// sides of a thin wall are not averaged. Points without a normal are left out.
+pub fn thin(
+    points: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone,
+    spacing: f64,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Thinned> {
+    let low = points.clone().fold(DVec3::INFINITY, |low, (p, ..)| low.min(p));
+    let points: Vec<_> = points.filter(|(_, n, _)| *n != DVec3::ZERO).collect();
+    check()?;
+    let key = |(i, (p, n, _)): (usize, &(DVec3, DVec3, f64))| {
+        let cell = ((*p - low) / spacing).to_array().map(|x| x as u32);
+        let at = |key: u128, x: u32| key << CELL_BITS | u128::from(x.min((1 << CELL_BITS) - 1));
+        let octant = n.cmplt(DVec3::ZERO).bitmask();
+        // By index at last, so that the sums below run in input order.
+        (cell.into_iter().fold(0, at) << 3 | u128::from(octant)) << 32 | i as u128
+    };
+    let mut cells: Vec<u128> = points.iter().enumerate().map(key).collect();
+    check()?;
+    cells.sort_unstable();
+    check()?;
+    let (mut means, mut normals, mut roughness) = (Vec::new(), Vec::new(), Vec::new());
+    for same in cells.chunk_by(|a, b| a >> 32 == b >> 32) {
+        let count = same.len() as f64;
+        let members = || same.iter().map(|c| &points[*c as u32 as usize]);
+        means.push(members().map(|m| m.0).sum::<DVec3>() / count);
+        normals.push(members().map(|m| m.1).sum::<DVec3>().normalize_or_zero());
+        roughness.push(members().map(|m| m.2).sum::<f64>() / count);
+    }
+    check()?;
+    Ok(Thinned { points: means, normals, roughness })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::source::tests::{hills, hilly_source};
+    use super::super::source::PointTree;
     use super::*;
 
     /// Coarser and finer than the mesh the points lie on the hills, and no farther from any place
@@ -97,16 +129,18 @@ mod tests {
     fn a_cloud_covers_the_surface_at_its_spacing() {
         let source = hilly_source(60);
         for spacing in [0.15, 0.02] {
-            let cloud = Cloud::of_source(&source, spacing);
+            let cloud = Cloud::of_source(&source, spacing, &|| Ok(())).unwrap();
             let wanted = source.area / (spacing * spacing);
-            let ratio = cloud.points.len() as f64 / wanted;
+            let Thinned { points, normals, .. } = &cloud.thinned;
+            let ratio = points.len() as f64 / wanted;
             assert!((0.7..2.5).contains(&ratio), "{ratio}");
-            for (p, n) in cloud.points.iter().zip(&cloud.normals) {
+            for (p, n) in points.iter().zip(normals) {
                 let (q, m) = hills(p.x, p.y);
                 assert!((p.z - q.z).abs() < 0.2 * spacing && n.dot(m) > 0.98, "{p}");
             }
+            let tree = PointTree::of_all(points, &|| Ok(())).unwrap();
             for p in &source.positions {
-                let (_, d2) = cloud.tree.nearest(*p).unwrap();
+                let (_, d2) = tree.nearest(*p).unwrap();
                 assert!(d2.sqrt() < 1.5 * spacing, "{p}");
             }
         }
@@ -116,7 +150,7 @@ mod tests {
     fn sides_of_a_wall_stay_apart_and_points_without_normal_go() {
         let points = [(0.01, 1.0), (0.02, 1.0), (0.03, -1.0), (0.04, 0.0)]
             .map(|(z, n)| (DVec3::new(0.0, 0.0, z), DVec3::Z * n, z));
-        let cloud = Cloud::thin(points.into_iter(), 1.0);
+        let cloud = thin(points.into_iter(), 1.0, &|| Ok(())).unwrap();
         assert_eq!(cloud.points.len(), 2);
         let up = cloud.normals.iter().position(|n| n.z > 0.0).unwrap();
         assert!((cloud.points[up].z - 0.015).abs() < 1e-12);

@@ -7,9 +7,10 @@
 //! A map holds the mean height above a plane on 14 radii × 36 angles around a centre. The cost of
 //! laying a source map over the target's known bins, for each of 36 turns and 2 sides, is the root
 //! mean square of the height difference d with its best plane a + b x + c y taken out (the ICP that
-//! follows corrects offset and tilt anyway), plus what is not covered times the radius. With all bins
-//! known the sums that this takes are five correlations of rows, which is where the time goes.
+//! follows corrects offset and tilt anyway), plus what is not covered times the radius. The sums that
+//! this takes are five correlations of rows, less the target's moments where the source knows nothing.
 
+use super::blocks::{Lanes, Near, LANES};
 use super::cloud::Cloud;
 use super::rigid::Rigid;
 use glam::{DMat3, DVec3};
@@ -19,7 +20,7 @@ pub const RADII: usize = 14;
 /// Bins around; 10° each, within reach of the ICP.
 pub const ANGLES: usize = 36;
 /// Least cosine between a point's normal and the map's: other sides of thin parts are left out.
-const SAME_SIDE: f64 = 0.1;
+const SAME_SIDE: f32 = 0.1;
 /// Exponent of [`blandness`].
 const BLAND: f64 = 1.0;
 /// Known bins that a source must cover.
@@ -40,8 +41,8 @@ pub struct HeightMap {
     /// Mean roughness of the points in the bins, see [`Source::roughness`](super::source::Source).
     pub roughness: f64,
     height: [Row; RADII],
-    /// 1 where something is known, else 0.
-    known: [Row; RADII],
+    /// A bit for each angle where something is known.
+    known: [u64; RADII],
 }
 
 /// A centre and three axes, the last one the normal.
@@ -68,44 +69,98 @@ impl Frame {
 /// Radius and angle bin of a local point; `None` beyond the map.
 fn bin_of(local: DVec3, radius: f64) -> Option<(usize, usize)> {
     let r = local.truncate().length() / radius * RADII as f64;
-    // Single precision and a cast are enough for a bin, and show in the time of all maps.
-    let turn = (local.y as f32).atan2(local.x as f32) / std::f32::consts::TAU;
-    let angle = ((turn + 1.0) * ANGLES as f32) as usize % ANGLES;
-    (r < RADII as f64).then_some((r as usize, angle))
+    let turn = turn_of(local.x as f32, local.y as f32);
+    (r < RADII as f64).then_some((r as usize, angle_bin(turn)))
+}
+
+/// The angle bin of a turn.
+#[inline(always)]
+fn angle_bin(turn: f32) -> usize {
+    // A turn of just below 0 may be rounded to 1.
+    ((turn * ANGLES as f32) as usize).min(ANGLES - 1)
+}
+
+/// The angle of (x, y) in turns, 0 to 1, within 2e-6: without branches, so that it runs in vector
+/// lanes. (Hastings, "Approximations for digital computers" (1955): an odd polynomial.)
+#[inline(always)]
+fn turn_of(x: f32, y: f32) -> f32 {
+    let (ax, ay) = (x.abs(), y.abs());
+    let (least, most) = if ax < ay { (ax, ay) } else { (ay, ax) };
+    let q = least / most.max(f32::MIN_POSITIVE);
+    let s = q * q;
+    let mut p = -0.013_480_47;
+    for c in [0.057_477_314, -0.121_239_07, 0.195_635_92, -0.332_994_6, 0.999_995_63] {
+        p = p * s + c;
+    }
+    let octant = p * q * (0.5 / std::f32::consts::PI);
+    let quarter = if ax < ay { 0.25 - octant } else { octant };
+    let half = if x < 0.0 { 0.5 - quarter } else { quarter };
+    if y < 0.0 {
+        1.0 - half
+    } else {
+        half
+    }
+}
+
+/// Where points of a group are on a map.
+struct Places {
+    /// In bins.
+    radius: Lanes,
+    turn: Lanes,
+    height: Lanes,
+    /// Whether they are on it.
+    within: [bool; LANES],
 }
 
 impl HeightMap {
-    /// The map of the cloud's points around a frame, out to `radius`.
-    pub fn new(cloud: &Cloud, ids: &[u32], frame: Frame, radius: f64) -> Self {
-        let mut map = Self {
-            frame,
-            roughness: 0.0,
-            height: [[0.0; ANGLES]; RADII],
-            known: [[0.0; ANGLES]; RADII],
-        };
-        let normal = frame.axes.z_axis;
+    /// The map of the cloud's points in a ball around a frame's centre, out to `radius`.
+    pub fn new(cloud: &Cloud, near: &Near, frame: Frame, radius: f64) -> Self {
+        let mut map =
+            Self { frame, roughness: 0.0, height: [[0.0; ANGLES]; RADII], known: [0; RADII] };
+        let mut counts = [[0.0; ANGLES]; RADII];
         let mut points = 0.0;
-        for &i in ids {
-            if cloud.normals[i as usize].dot(normal) < SAME_SIDE {
-                continue;
-            }
-            let local = frame.local(cloud.points[i as usize]);
-            if local.z.abs() >= radius {
-                continue;
-            }
-            if let Some((r, a)) = bin_of(local, radius) {
-                map.height[r][a] += local.z as f32;
-                map.known[r][a] += 1.0;
-                map.roughness += cloud.roughness[i as usize];
-                points += 1.0;
-            }
-        }
+        let axes = frame.axes.as_mat3().to_cols_array_2d();
+        let (reach, ball) = (radius as f32, (near.radius * near.radius) as f32);
+        let bins = (RADII as f64 / radius) as f32;
+        pulp::Arch::new().dispatch(|| {
+            cloud.blocks.visit(near, |group, origin| {
+                let mut places = Places {
+                    radius: [0.0; LANES],
+                    turn: [0.0; LANES],
+                    height: [0.0; LANES],
+                    within: [false; LANES],
+                };
+                for l in 0..LANES {
+                    let p = [0, 1, 2].map(|k| group.at[k][l] + origin[k]);
+                    let along = |a: &[f32; 3]| a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
+                    let [x, y, z] = [along(&axes[0]), along(&axes[1]), along(&axes[2])];
+                    let n = [0, 1, 2].map(|k| axes[2][k] * group.normal[k][l]);
+                    let r = (x * x + y * y).sqrt() * bins;
+                    places.radius[l] = r;
+                    places.turn[l] = turn_of(x, y);
+                    places.height[l] = z;
+                    places.within[l] = (n[0] + n[1] + n[2] >= SAME_SIDE)
+                        & (z.abs() < reach)
+                        & (r < RADII as f32)
+                        & (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] <= ball);
+                }
+                for l in 0..LANES {
+                    if places.within[l] {
+                        let (r, a) = (places.radius[l] as usize, angle_bin(places.turn[l]));
+                        map.height[r][a] += places.height[l];
+                        counts[r][a] += 1.0;
+                        map.roughness += cloud.thinned.roughness[group.ids[l] as usize];
+                        points += 1.0;
+                    }
+                }
+            });
+        });
         map.roughness /= f64::max(points, 1.0);
-        for r in 0..RADII {
-            for a in 0..ANGLES {
-                if map.known[r][a] > 0.0 {
-                    map.height[r][a] /= map.known[r][a];
-                    map.known[r][a] = 1.0;
+        for (r, counts) in counts.iter().enumerate() {
+            for (a, &count) in counts.iter().enumerate() {
+                if count > 0.0 {
+                    map.height[r][a] /= count;
+                    map.known[r] |= 1 << a;
                 }
             }
             bridge_gaps(&mut map.height[r], &mut map.known[r], widest_gap(r));
@@ -113,12 +168,20 @@ impl HeightMap {
         map
     }
 
+    /// Whether something is known there.
+    fn knows(&self, r: usize, a: usize) -> bool {
+        self.known[r] >> a & 1 == 1
+    }
+
     /// Share of the bins within `radii` rings that are known.
     fn coverage_inside(&self, radii: usize) -> f64 {
-        let known: f32 = self.known[..radii].iter().flatten().sum();
+        let known: u32 = self.known[..radii].iter().map(|row| row.count_ones()).sum();
         f64::from(known) / (radii * ANGLES).max(1) as f64
     }
 }
+
+/// All angles known.
+const WHOLE: u64 = (1 << ANGLES) - 1;
 
 /// Close to the centre bins are narrower than points lie apart: gaps of so many are bridged.
 fn widest_gap(r: usize) -> usize {
@@ -126,14 +189,18 @@ fn widest_gap(r: usize) -> usize {
 }
 
 /// Gives unknown bins the height of the nearest known one along the angle, up to `reach` bins off.
-fn bridge_gaps(height: &mut Row, known: &mut Row, reach: usize) {
+fn bridge_gaps(height: &mut Row, known: &mut u64, reach: usize) {
     let before = *known;
-    for a in (0..ANGLES).filter(|&a| before[a] == 0.0) {
+    if before == WHOLE || before == 0 {
+        return;
+    }
+    for a in (0..ANGLES).filter(|&a| before >> a & 1 == 0) {
         let near = (1..=reach)
             .flat_map(|d| [(a + d) % ANGLES, (a + ANGLES - d) % ANGLES])
-            .find(|&b| before[b] > 0.0);
+            .find(|&b| before >> b & 1 == 1);
         if let Some(b) = near {
-            (height[a], known[a]) = (height[b], 1.0);
+            height[a] = height[b];
+            *known |= 1 << a;
         }
     }
 }
@@ -143,11 +210,12 @@ struct Bin {
     r: usize,
     a: usize,
     /// In the order of the constants below.
-    moments: [f32; MOMENTS],
+    moments: Moments,
 }
 
 /// Moments of a target's bin: weight 1, position (x, y) and height h.
 const MOMENTS: usize = 10;
+type Moments = [f32; MOMENTS];
 const W: usize = 0;
 const X: usize = 1;
 const Y: usize = 2;
@@ -177,8 +245,10 @@ struct Sums {
 /// The target's known bins, ready to be compared.
 pub struct RingPattern {
     frame: Frame,
-    /// As it is, and mirrored.
+    /// As it is, and mirrored; by radius.
     bins: [Vec<Bin>; 2],
+    /// Where the bins of each radius begin, and the end.
+    rows: [usize; RADII + 1],
     /// Sums over the bins as it is, with d the target's heights.
     sums: Sums,
     /// Bins from the centre out that a source must have something in.
@@ -216,8 +286,9 @@ impl RingPattern {
         let step = radius / RADII as f64;
         let last = ((reach / step).ceil() as usize).min(RADII);
         let (mut bins, mut sums) = ([Vec::new(), Vec::new()], Sums::default());
+        let mut rows = [0; RADII + 1];
         for r in 0..last {
-            for a in (0..ANGLES).filter(|&a| known.known[r][a] > 0.0 && !filled[r][a]) {
+            for a in (0..ANGLES).filter(|&a| known.knows(r, a) && !filled[r][a]) {
                 let turn = (a as f64 + 0.5) / ANGLES as f64 * std::f64::consts::TAU;
                 let at = (r as f64 + 0.5) * step;
                 let (x, y) = (at * turn.cos(), at * turn.sin());
@@ -229,8 +300,9 @@ impl RingPattern {
                 bins[1].push(Bin { r, a: ANGLES - 1 - a, moments });
                 sums.add(1.0, x, y, h);
             }
+            rows[r + 1..].fill(bins[0].len());
         }
-        Self { frame, bins, sums, inner, radius, roughness: known.roughness }
+        Self { frame, bins, rows, sums, inner, radius, roughness: known.roughness }
     }
 
     /// Whether there is enough to compare with.
@@ -275,30 +347,42 @@ impl RingPattern {
 
     /// The sums at all turns.
     fn correlate(&self, bins: &[Bin], map: &Doubled) -> [Sums; ANGLES] {
-        let mut with_height = [[0f32; ANGLES]; 5];
-        let mut with_known = [[0f32; ANGLES]; MOMENTS];
-        let whole = bins.iter().all(|b| map.is_whole[b.r]);
-        for b in bins {
-            let h = &map.height[b.r][b.a..b.a + ANGLES];
-            let h2 = &map.square[b.r][b.a..b.a + ANGLES];
-            for m in [W, X, Y, H] {
-                add_scaled(&mut with_height[m], b.moments[m], h);
+        let mut with_height = [[0f32; TURNS]; 5];
+        pulp::Arch::new().dispatch(|| {
+            for turn in (0..TURNS).step_by(LANES) {
+                let sums = sum_heights(bins, &map.height, turn);
+                (0..5).for_each(|m| with_height[m][turn..turn + LANES].copy_from_slice(&sums[m]));
             }
-            add_scaled(&mut with_height[4], 1.0, h2);
-            if !whole {
-                let known = &map.known[b.r][b.a..b.a + ANGLES];
-                for m in 0..MOMENTS {
-                    add_scaled(&mut with_known[m], b.moments[m], known);
-                }
-            }
-        }
+        });
+        let missing = self.sum_missing(bins, &map.known);
         std::array::from_fn(|turn| {
-            let target = match whole {
-                true => self.sums,
-                false => Sums::of(&with_known, turn),
+            let target = match &missing {
+                Some(missing) => self.sums.without(&missing[turn]),
+                None => self.sums,
             };
             target.less(std::array::from_fn(|m| f64::from(with_height[m][turn])))
         })
+    }
+
+    /// The moments at each turn of the bins that the source does not know; `None` if it knows all. Few
+    /// are: sums over those that it knows would cost more than all else.
+    fn sum_missing(&self, bins: &[Bin], known: &[u64; RADII]) -> Option<[Moments; ANGLES]> {
+        let mut missing: Option<[Moments; ANGLES]> = None;
+        for r in (0..RADII).filter(|&r| known[r] != WHOLE) {
+            let row = &bins[self.rows[r]..self.rows[r + 1]];
+            if row.is_empty() {
+                continue;
+            }
+            let missing = missing.get_or_insert([[0.0; MOMENTS]; ANGLES]);
+            for a in (0..ANGLES).filter(|&a| known[r] >> a & 1 == 0) {
+                for b in row {
+                    let turn = if a < b.a { a + ANGLES - b.a } else { a - b.a };
+                    let sums = missing[turn].iter_mut();
+                    sums.zip(&b.moments).for_each(|(s, m)| *s += m);
+                }
+            }
+        }
+        missing
     }
 
     /// Cost of the sums, and the plane taken out.
@@ -337,19 +421,19 @@ impl RingPattern {
 }
 
 impl Sums {
-    fn of(moments: &[[f32; ANGLES]; MOMENTS], turn: usize) -> Self {
-        let m = |k: usize| f64::from(moments[k][turn]);
+    fn without(self, moments: &Moments) -> Self {
+        let m = |k: usize| f64::from(moments[k]);
         Self {
-            n: m(W),
-            x: m(X),
-            y: m(Y),
-            xx: m(XX),
-            xy: m(XY),
-            yy: m(YY),
-            d: m(H),
-            dx: m(XH),
-            dy: m(YH),
-            dd: m(HH),
+            n: self.n - m(W),
+            x: self.x - m(X),
+            y: self.y - m(Y),
+            xx: self.xx - m(XX),
+            xy: self.xy - m(XY),
+            yy: self.yy - m(YY),
+            d: self.d - m(H),
+            dx: self.dx - m(XH),
+            dy: self.dy - m(YH),
+            dd: self.dd - m(HH),
         }
     }
 
@@ -372,39 +456,52 @@ impl Sums {
     }
 }
 
-/// A map whose angles run twice around, so that a turned row is a slice.
+/// The turns in whole lanes: the last ones are not used.
+const TURNS: usize = ANGLES.next_multiple_of(LANES);
+
+/// Rows whose angles run twice around, so that a turned row is a slice.
+type Twice = [[f32; ANGLES + TURNS]; RADII];
+
 struct Doubled {
-    height: [[f32; 2 * ANGLES]; RADII],
-    square: [[f32; 2 * ANGLES]; RADII],
-    known: [[f32; 2 * ANGLES]; RADII],
-    /// Whether all of a row is known.
-    is_whole: [bool; RADII],
+    height: Twice,
+    known: [u64; RADII],
 }
 
 impl Doubled {
     fn new(map: &HeightMap) -> Self {
-        let twice = |rows: &[Row; RADII], f: fn(f32) -> f32| {
-            let mut out = [[0.0; 2 * ANGLES]; RADII];
-            for r in 0..RADII {
-                for a in 0..2 * ANGLES {
-                    out[r][a] = f(rows[r][a % ANGLES]);
-                }
-            }
-            out
-        };
-        Self {
-            height: twice(&map.height, |h| h),
-            square: twice(&map.height, |h| h * h),
-            known: twice(&map.known, |k| k),
-            is_whole: map.known.map(|row| row.iter().all(|&k| k > 0.0)),
+        let mut height = [[0.0; _]; RADII];
+        for (twice, row) in height.iter_mut().zip(&map.height) {
+            twice[..ANGLES].copy_from_slice(row);
+            twice[ANGLES..2 * ANGLES].copy_from_slice(row);
+            twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
         }
+        Self { height, known: map.known }
     }
 }
 
-/// sum += factor · x: over the turns, so that it runs in vector lanes.
+/// Of some turns the sums over the bins of source height times weight, x, y and target height, and of
+/// its square.
 #[inline(always)]
-fn add_scaled(sum: &mut [f32; ANGLES], factor: f32, x: &[f32]) {
-    sum.iter_mut().zip(x).for_each(|(s, x)| *s += factor * x);
+fn sum_heights(bins: &[Bin], height: &Twice, turn: usize) -> [Lanes; 5] {
+    let mut sums = [[0f32; LANES]; 5];
+    for b in bins {
+        let h = lanes(&height[b.r], b.a + turn);
+        for l in 0..LANES {
+            sums[0][l] += h[l];
+            sums[1][l] += b.moments[X] * h[l];
+            sums[2][l] += b.moments[Y] * h[l];
+            sums[3][l] += b.moments[H] * h[l];
+            sums[4][l] += h[l] * h[l];
+        }
+    }
+    sums
+}
+
+#[inline(always)]
+fn lanes(row: &[f32], from: usize) -> Lanes {
+    let mut out = [0.0; LANES];
+    out.copy_from_slice(&row[from..from + LANES]);
+    out
 }
 
 /// What the cost of a source that is smoother than the surroundings is multiplied with, from their
@@ -445,6 +542,7 @@ pub fn keep_different(
 
 #[cfg(test)]
 mod tests {
+    use super::super::cloud::thin;
     use super::super::source::tests::{hills, hilly_source, some_transform};
     use super::*;
 
@@ -456,12 +554,31 @@ mod tests {
             let (p, m) = hills(side(k % n), side(k / n));
             (t.point(p), t.direction(m), 0.0)
         });
-        Cloud::thin(points, 0.04)
+        cloud_of(points)
+    }
+
+    fn cloud_of(points: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone) -> Cloud {
+        Cloud::of_points(thin(points, 0.04, &|| Ok(())).unwrap(), &|| Ok(())).unwrap()
+    }
+
+    /// As the library's own arc tangent has it, but at the borders of the bins.
+    #[test]
+    fn turns_are_the_angles() {
+        for k in 0..100_000 {
+            let angle = k as f64 / 100_000.0 * std::f64::consts::TAU;
+            let (x, y) = (3.0 * angle.cos(), 3.0 * angle.sin());
+            let (x, y) = (x as f32, y as f32);
+            let truth = f64::from(y).atan2(f64::from(x)) / std::f64::consts::TAU;
+            let off = f64::from(turn_of(x, y)) - truth;
+            assert!((off - off.round()).abs() < 2e-6, "{k}: {off}");
+        }
+        assert_eq!([turn_of(0.0, 0.0), turn_of(1.0, 0.0), turn_of(-1.0, 0.0)], [0.0, 0.0, 0.5]);
+        assert!(angle_bin(turn_of(1.0, -1e-30)) == ANGLES - 1);
     }
 
     fn map_at(cloud: &Cloud, p: DVec3, n: DVec3, radius: f64) -> HeightMap {
-        let ids = cloud.tree.within(p, 1.5 * radius);
-        HeightMap::new(cloud, &ids, Frame::new(p, n), radius)
+        let near = cloud.blocks.near(p, 1.5 * radius);
+        HeightMap::new(cloud, &near, Frame::new(p, n), radius)
     }
 
     /// Where the source shows the same hills, rotated or mirrored, the best candidate of many places
@@ -469,7 +586,7 @@ mod tests {
     #[test]
     fn hills_are_found_again() {
         let radius = 0.8;
-        let cloud = Cloud::of_source(&hilly_source(60), 0.04);
+        let cloud = Cloud::of_source(&hilly_source(60), 0.04, &|| Ok(())).unwrap();
         let places: Vec<HeightMap> = (0..25)
             .map(|k| {
                 let (p, _) = hills(0.2 * (k % 5) as f64 - 0.4, 0.2 * (k / 5) as f64 - 0.4);
@@ -481,8 +598,13 @@ mod tests {
             let target = moved_cloud(&truth);
             let centre = truth.point(hills(0.0, 0.0).0);
             let known = map_at(&target, centre, truth.direction(DVec3::Z), radius);
-            let hole: Vec<DVec3> =
-                target.points.iter().copied().filter(|p| p.distance(centre) < 0.35).collect();
+            let hole: Vec<DVec3> = target
+                .thinned
+                .points
+                .iter()
+                .copied()
+                .filter(|p| p.distance(centre) < 0.35)
+                .collect();
             let pattern = RingPattern::new(&known, &hole, radius, radius);
             assert!(pattern.is_useful());
             let mut found = Vec::new();
@@ -511,7 +633,7 @@ mod tests {
                 let (x, y) = (side(k % n), side(k / n));
                 (DVec3::new(x, y, slope * x + lift), DVec3::Z, 0.0)
             });
-            Cloud::thin(points, 0.04)
+            cloud_of(points)
         };
         let map = |cloud: &Cloud| map_at(cloud, DVec3::ZERO, DVec3::Z, 1.0);
         let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, 1.0);

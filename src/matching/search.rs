@@ -1,6 +1,6 @@
 //! Candidates for one hole: places on the source that look like its ring, aligned.
 
-use super::cloud::Cloud;
+use super::cloud::{thin, Cloud, Thinned};
 use super::height_map::{keep_different, Candidate, Frame, HeightMap, RingPattern};
 use super::icp::{align, misfit, Partner, RingPoint, KEEP};
 use super::source::Source;
@@ -53,6 +53,8 @@ impl Effort {
     }
 }
 
+/// The part of a search that making and comparing maps takes, the rest being alignment.
+const MAPS_PART: f64 = 0.7;
 /// Ring points of the first and of the second alignment, at most.
 const POINTS: [usize; 2] = [160, 400];
 
@@ -67,7 +69,7 @@ pub struct Maps {
     known: Arc<Cloud>,
     /// Whether mirrored copies may be made.
     mirrored: bool,
-    centres: Cloud,
+    centres: Thinned,
     maps: Vec<OnceLock<Option<HeightMap>>>,
 }
 
@@ -95,8 +97,12 @@ pub fn cloud_scale(source: &Source, radius: f64) -> i32 {
 }
 
 /// The cloud of a [`cloud_scale`].
-pub fn cloud_at(source: &Source, cloud_scale: i32) -> Cloud {
-    Cloud::of_source(source, source.edge * CLOUD_STEP.powi(cloud_scale))
+pub fn cloud_at(
+    source: &Source,
+    cloud_scale: i32,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Cloud> {
+    Cloud::of_source(source, source.edge * CLOUD_STEP.powi(cloud_scale), check)
 }
 
 impl Maps {
@@ -108,12 +114,14 @@ impl Maps {
         cloud: Arc<Cloud>,
         known: Arc<Cloud>,
         mirrored: bool,
-    ) -> Self {
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
-        let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0);
-        let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing);
+        let Thinned { points, normals, .. } = &cloud.thinned;
+        let point = |i: usize| (points[i], normals[i], 0.0);
+        let centres = thin((0..points.len()).map(point), spacing, check)?;
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
-        Self { radius, cloud, known, mirrored, centres, maps }
+        Ok(Self { radius, cloud, known, mirrored, centres, maps })
     }
 
     /// The map around a centre; `None` where the surface has no side to be seen from.
@@ -121,9 +129,11 @@ impl Maps {
         let make = || {
             let (centre, normal) = (self.centres.points[c], self.centres.normals[c]);
             let reach = REACH * self.radius;
-            let ids = self.cloud.tree.within_unsorted(centre, reach);
-            let frame = frame_at(&self.cloud, &ids, centre, normal, self.radius)?;
-            Some(HeightMap::new(&self.cloud, &ids, frame, reach))
+            let near = self.cloud.blocks.near(centre, reach);
+            // Moved onto the surface's mean plane.
+            let mean = self.cloud.blocks.sum_normals(&near, normal, PLANE * self.radius);
+            let frame = (mean != DVec3::ZERO).then(|| Frame::new(centre, mean.normalize()))?;
+            Some(HeightMap::new(&self.cloud, &near, frame, reach))
         };
         self.maps[c].get_or_init(make).as_ref()
     }
@@ -167,13 +177,15 @@ pub fn find_candidates(
     maps: &Maps,
     targets: &[Target<'_>],
     threads: usize,
-    check: &dyn Fn() -> Result<()>,
+    check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Vec<Vec<Candidate>>> {
     let efforts: Vec<Effort> = targets.iter().map(|t| Effort::of(t, targets.len())).collect();
-    let matches = search_maps(maps, targets, &efforts, threads, check)?;
+    let matches = search_maps(maps, targets, &efforts, threads, &|part| check(MAPS_PART * part))?;
     let mut all = Vec::new();
-    for ((target, effort), matches) in targets.iter().zip(&efforts).zip(matches) {
-        all.push(align_all(known, source, target, &matches, effort, threads, check)?);
+    for (i, ((target, effort), matches)) in targets.iter().zip(&efforts).zip(matches).enumerate() {
+        let done = |part: f64| (i as f64 + part) / targets.len() as f64;
+        let check = |part: f64| check(MAPS_PART + (1.0 - MAPS_PART) * done(part));
+        all.push(align_all(known, source, target, &matches, effort, threads, &check)?);
     }
     Ok(all)
 }
@@ -185,7 +197,7 @@ fn align_all(
     matches: &[Candidate],
     effort: &Effort,
     threads: usize,
-    check: &dyn Fn() -> Result<()>,
+    check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Vec<Candidate>> {
     let coarse = thin_ring(target.ring, POINTS[0]);
     let fine = thin_ring(target.ring, POINTS[1]);
@@ -197,15 +209,15 @@ fn align_all(
         Candidate { transform, cost: bland * misfit(source, judge, &transform, radius), bland }
     };
     let first = |i: usize| improve(&matches[i], &coarse, &coarse, Partner::Vertex, 12, KEEP);
-    let found = parallel::map(matches.len(), threads, check, &first)?;
+    let found = parallel::map_part(matches.len(), threads, &|part| check(0.4 * part), &first)?;
     let found = merge(found, target, effort.fine);
     let second = |i: usize| improve(&found[i], &fine, &fine, Partner::Surface, 15, KEEP);
-    let mut found =
-        merge(parallel::map(found.len(), threads, check, &second)?, target, effort.fine);
+    let found = parallel::map_part(found.len(), threads, &|part| check(0.4 + 0.4 * part), &second)?;
+    let mut found = merge(found, target, effort.fine);
     // The best also by a wider ring, whole: where the near one is plain, or not quite alike.
     let wide = wide_ring(known, target);
     let third = |i: usize| improve(&found[i], &wide, &fine, Partner::Surface, 15, 1.0);
-    let variants = parallel::map(found.len().min(effort.widened), threads, check, &third)?;
+    let variants = parallel::map(found.len().min(effort.widened), threads, &|| check(0.8), &third)?;
     found.extend(variants);
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     Ok(found)
@@ -216,7 +228,7 @@ fn search_maps(
     targets: &[Target<'_>],
     efforts: &[Effort],
     threads: usize,
-    check: &dyn Fn() -> Result<()>,
+    check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Vec<Vec<Candidate>>> {
     let reach = REACH * maps.radius;
     let Some(widths) = efforts.first().map(|e| e.widths) else { return Ok(Vec::new()) };
@@ -225,7 +237,7 @@ fn search_maps(
         .iter()
         .flat_map(|target| {
             let frame = Frame::new(target.centre, target.normal);
-            let around = maps.known.tree.within(target.centre, 1.5 * reach);
+            let around = maps.known.blocks.near(target.centre, 1.5 * reach);
             let known = HeightMap::new(&maps.known, &around, frame, reach);
             let ring =
                 |w: &f64| RingPattern::new(&known, target.fill, reach, (1.0 + w) * target.radius);
@@ -249,7 +261,7 @@ fn search_maps(
         }
         found
     };
-    let results = parallel::map(jobs.len(), threads, check, &one)?;
+    let results = parallel::map_part(jobs.len(), threads, check, &one)?;
     let mut by_pattern: Vec<Vec<Candidate>> = vec![Vec::new(); patterns.len()];
     jobs.iter().zip(results).for_each(|(job, found)| by_pattern[job.0].extend(found));
     let best = |(p, found): (usize, Vec<Candidate>)| {
@@ -258,25 +270,6 @@ fn search_maps(
     };
     let kept: Vec<Vec<Candidate>> = by_pattern.into_iter().enumerate().map(best).collect();
     Ok(kept.chunks(widths.len()).map(|c| c.concat()).collect())
-}
-
-/// The frame of a source map: the centre moved onto the surface's mean plane, the mean normal.
-fn frame_at(
-    cloud: &Cloud,
-    ids: &[u32],
-    centre: DVec3,
-    normal: DVec3,
-    radius: f64,
-) -> Option<Frame> {
-    let near = (PLANE * radius).powi(2);
-    let mut mean = DVec3::ZERO;
-    for &i in ids {
-        let (p, n) = (cloud.points[i as usize], cloud.normals[i as usize]);
-        if n.dot(normal) > 0.0 && p.distance_squared(centre) < near {
-            mean += n;
-        }
-    }
-    (mean.length() > 0.0).then(|| Frame::new(centre, mean.normalize()))
 }
 
 /// Known points up to a whole radius from the hole, on the target's side.
@@ -346,13 +339,14 @@ mod tests {
         let border = (0..2 * n).filter(|v| whole.on_boundary[(v % n) as usize]);
         let in_hole = whole.faces.iter().flat_map(rim).filter(|&v| v != u32::MAX);
         let boundary: Vec<u32> = border.chain(in_hole).collect();
-        Source::new(MeshView::new(&vertices[..], &faces[..]), boundary.into_iter())
+        let mesh = MeshView::new(&vertices[..], &faces[..]);
+        Source::new(mesh, boundary.into_iter(), &|_| Ok(())).unwrap()
     }
 
     fn maps_of(source: &Source) -> Maps {
         let radius = radius_at(source.edge, scale_of(source.edge, RADIUS));
-        let cloud = Arc::new(cloud_at(source, cloud_scale(source, radius)));
-        Maps::new(source, radius, cloud.clone(), cloud, true)
+        let cloud = Arc::new(cloud_at(source, cloud_scale(source, radius), &|| Ok(())).unwrap());
+        Maps::new(source, radius, cloud.clone(), cloud, true, &|| Ok(())).unwrap()
     }
 
     fn polar(t: &Rigid, radii: std::ops::Range<f64>) -> Vec<RingPoint> {
@@ -380,7 +374,7 @@ mod tests {
                 fill: &fill,
                 ring: &ring,
             };
-            let check = || Ok(());
+            let check = |_| Ok(());
             let run = |threads| {
                 let maps = maps_of(&source);
                 assert!(maps.radius >= RADIUS && maps.radius <= 1.081 * RADIUS);
@@ -413,7 +407,7 @@ mod tests {
         let fill: Vec<DVec3> = polar(&Rigid::IDENTITY, 0.0..0.35).iter().map(|p| p.0).collect();
         let (centre, normal) = (fill[0], DVec3::Z);
         let target = Target { centre, normal, radius: RADIUS, fill: &fill, ring: &ring };
-        let stop = || Err(Error::Cancelled);
+        let stop = |_| Err(Error::Cancelled);
         let found = find_candidates(&source, &source, &maps_of(&source), &[target], 1, &stop);
         assert_eq!(found.err(), Some(Error::Cancelled));
     }

@@ -4,10 +4,10 @@
 use crate::error::Result;
 use crate::intersect::Bvh;
 use crate::mesh::boundary::find_boundary;
-use crate::mesh::normals::vertex_normals;
+use crate::mesh::normals::vertex_normals_checked;
 use crate::mesh::MeshView;
 use crate::options::Sources;
-use crate::progress::Monitor;
+use crate::progress::{Monitor, Pace};
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -38,29 +38,87 @@ pub struct Source {
     pub lengths: Vec<f64>,
 }
 
-/// A k-d tree over points that may be few or none.
+/// A k-d tree over points that may be few or none; many are cut into pieces with a tree each, as the
+/// build of one cannot be stopped.
 pub struct PointTree {
-    tree: Option<ImmutableKdTree<f64, 3>>,
+    pieces: Vec<Piece>,
     ids: Vec<u32>,
+}
+
+struct Piece {
+    low: DVec3,
+    high: DVec3,
+    tree: ImmutableKdTree<f64, 3>,
+    /// Ascending.
+    ids: Vec<u32>,
+}
+
+/// Points of a piece at most: its tree takes some 30 milliseconds.
+const PIECE: usize = 1 << 15;
+
+impl Piece {
+    fn distance2(&self, p: DVec3) -> f64 {
+        p.distance_squared(p.clamp(self.low, self.high))
+    }
+
+    fn nearest(&self, p: DVec3) -> (u32, f64) {
+        let found = self.tree.nearest_one::<SquaredEuclidean>(&p.to_array());
+        (self.ids[found.item as usize], found.distance)
+    }
 }
 
 impl PointTree {
     /// Over the points whose indices are given.
-    pub fn new(points: &[DVec3], ids: Vec<u32>) -> Self {
-        let entries: Vec<[f64; 3]> = ids.iter().map(|&i| points[i as usize].to_array()).collect();
-        let tree = (!entries.is_empty()).then(|| ImmutableKdTree::new_from_slice(&entries));
-        Self { tree, ids }
+    pub fn new(points: &[DVec3], ids: Vec<u32>, check: &dyn Fn(f64) -> Result<()>) -> Result<Self> {
+        let (mut pieces, mut done) = (Vec::new(), 0);
+        let mut whole = vec![ids.clone()];
+        while let Some(mut part) = whole.pop() {
+            check(done as f64 / ids.len().max(1) as f64)?;
+            let at = || part.iter().map(|&i| points[i as usize]);
+            let (low, high) =
+                at().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+            if part.len() > PIECE {
+                let axis = (high - low).max_position();
+                let key = |i: &u32| points[*i as usize][axis];
+                let mid = part.len() / 2;
+                part.select_nth_unstable_by(mid, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
+                whole.push(part.split_off(mid));
+                whole.push(part);
+            } else if !part.is_empty() {
+                part.sort_unstable();
+                let entries: Vec<[f64; 3]> =
+                    part.iter().map(|&i| points[i as usize].to_array()).collect();
+                let tree = ImmutableKdTree::new_from_slice(&entries);
+                done += part.len();
+                pieces.push(Piece { low, high, tree, ids: part });
+            }
+        }
+        Ok(Self { pieces, ids })
     }
 
     /// Over all points.
-    pub fn of_all(points: &[DVec3]) -> Self {
-        Self::new(points, (0..points.len() as u32).collect())
+    pub fn of_all(points: &[DVec3], check: &dyn Fn() -> Result<()>) -> Result<Self> {
+        Self::new(points, (0..points.len() as u32).collect(), &|_| check())
     }
 
     /// The nearest point's index and its squared distance.
     pub fn nearest(&self, p: DVec3) -> Option<(u32, f64)> {
-        let found = self.tree.as_ref()?.nearest_one::<SquaredEuclidean>(&p.to_array());
-        Some((self.ids[found.item as usize], found.distance))
+        if let [piece] = &self.pieces[..] {
+            return Some(piece.nearest(p));
+        }
+        // The piece that the point is in or next to, then those that may hold a nearer one.
+        let off = |k: &usize| self.pieces[*k].distance2(p);
+        let first = (0..self.pieces.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let mut best = self.pieces[first].nearest(p);
+        for k in (0..self.pieces.len()).filter(|&k| k != first) {
+            if off(&k) < best.1 {
+                let other = self.pieces[k].nearest(p);
+                if other.1 < best.1 {
+                    best = other;
+                }
+            }
+        }
+        Some(best)
     }
 
     /// The indices of the points, in ascending order.
@@ -70,25 +128,26 @@ impl PointTree {
 
     /// All points within a radius, in ascending order of their indices.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<u32> {
-        let mut found = self.within_unsorted(p, radius);
+        let square = radius * radius;
+        let mut found = Vec::new();
+        for piece in self.pieces.iter().filter(|piece| piece.distance2(p) <= square) {
+            let near = piece.tree.within_unsorted::<SquaredEuclidean>(&p.to_array(), square);
+            found.extend(near.iter().map(|n| piece.ids[n.item as usize]));
+        }
         found.sort_unstable();
         found
-    }
-
-    /// All points within a radius, in the order of the tree, which is the same for the same points.
-    pub fn within_unsorted(&self, p: DVec3, radius: f64) -> Vec<u32> {
-        let Some(tree) = &self.tree else { return Vec::new() };
-        tree.within_unsorted::<SquaredEuclidean>(&p.to_array(), radius * radius)
-            .iter()
-            .map(|n| self.ids[n.item as usize])
-            .collect()
     }
 }
 
 impl Source {
-    /// Copies the mesh and builds the trees: linear but for the trees' sorting.
-    pub fn new(mesh: MeshView<'_>, boundary: impl Iterator<Item = u32>) -> Self {
-        Parts::of(mesh, boundary, &|_| true).build()
+    /// Copies the mesh and builds the trees: linear but for the trees' sorting. Asks `check` now and
+    /// then whether to go on.
+    pub fn new(
+        mesh: MeshView<'_>,
+        boundary: impl Iterator<Item = u32>,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Self> {
+        Parts::of(mesh, boundary, &|_| true, &|| check(0.0))?.build(check)
     }
 
     /// What may be copied from of a mesh, with the exemplar if there is one: the exemplar's faces are
@@ -97,20 +156,22 @@ impl Source {
         mesh: MeshView<'_>,
         boundary: impl Iterator<Item = u32>,
         sources: &Sources,
+        check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Self> {
         let may = |f: usize| match &sources.faces {
             _ if sources.exemplar_only => false,
             Some(faces) => faces[f],
             None => true,
         };
-        let mut parts = Parts::of(mesh, boundary, &may);
+        let mut parts = Parts::of(mesh, boundary, &may, &|| check(0.0))?;
         if let Some(exemplar) = &sources.exemplar {
             let view = MeshView::new(&exemplar.vertices[..], &exemplar.faces[..]);
             let edges = find_boundary(view, &Monitor::silent())?.edges;
             let boundary = edges.iter().flat_map(|e| [e.from, e.to]);
-            parts.append(Parts::of(view, boundary, &|_| true), mesh.faces.len());
+            let exemplar = Parts::of(view, boundary, &|_| true, &|| check(0.05))?;
+            parts.append(exemplar, mesh.faces.len());
         }
-        Ok(parts.build())
+        parts.build(check)
     }
 
     /// Unit normal of a face; zero if it has no area.
@@ -148,6 +209,10 @@ impl Source {
     }
 }
 
+/// Elementary steps that a pass takes for a face, and for a vertex.
+const FACE: usize = 8;
+const VERTEX: usize = 4;
+
 /// A source that is being put together.
 struct Parts {
     positions: Vec<DVec3>,
@@ -163,13 +228,20 @@ impl Parts {
         mesh: MeshView<'_>,
         boundary: impl Iterator<Item = u32>,
         may: &dyn Fn(usize) -> bool,
-    ) -> Self {
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        let mut pace = Pace::new(check);
         let n = mesh.vertices.len();
-        let positions: Vec<DVec3> = (0..n).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
+        let mut positions = Vec::with_capacity(n);
+        for v in 0..n {
+            pace.work(VERTEX)?;
+            positions.push(DVec3::from(mesh.vertices.get(v)));
+        }
         let all = || (0..mesh.faces.len()).map(|f| mesh.faces.get(f));
-        let normals = vertex_normals(&positions, all());
+        let normals = vertex_normals_checked(&positions, all(), check)?;
         let (mut faces, mut face_ids) = (Vec::with_capacity(mesh.faces.len()), Vec::new());
         for (f, face) in all().enumerate().filter(|(f, _)| may(*f)) {
+            pace.work(FACE)?;
             let [a, b, c] = face.map(|v| positions[v as usize]);
             if (b - a).cross(c - a) != DVec3::ZERO {
                 faces.push(face);
@@ -178,7 +250,7 @@ impl Parts {
         }
         let mut on_boundary = vec![false; n];
         boundary.for_each(|v| on_boundary[v as usize] = true);
-        Self { positions, normals, on_boundary, faces, face_ids }
+        Ok(Self { positions, normals, on_boundary, faces, face_ids })
     }
 
     fn append(&mut self, other: Self, first_face: usize) {
@@ -190,11 +262,14 @@ impl Parts {
         self.face_ids.extend(other.face_ids.iter().map(|&f| f + first_face as u32));
     }
 
-    fn build(self) -> Source {
+    fn build(self, check: &dyn Fn(f64) -> Result<()>) -> Result<Source> {
         let Self { positions, normals, on_boundary, faces, face_ids } = self;
         let mut used = vec![false; positions.len()];
         let (mut area, mut length) = (0.0, 0.0);
+        let stop = || check(0.1);
+        let mut pace = Pace::new(&stop);
         for face in &faces {
+            pace.work(FACE)?;
             let p = face.map(|v| positions[v as usize]);
             area += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).length();
             length += p[0].distance(p[1]) + p[1].distance(p[2]) + p[2].distance(p[0]);
@@ -202,12 +277,12 @@ impl Parts {
         }
         let ids = (0..positions.len() as u32).filter(|&v| used[v as usize]).collect();
         let edge = length / (3 * faces.len().max(1)) as f64;
-        let (roughness, lengths) = edge_means(&positions, &normals, &faces, edge);
-        Source {
+        let (roughness, lengths) = edge_means(&positions, &normals, &faces, edge, &|| check(0.15))?;
+        Ok(Source {
             roughness,
             lengths,
-            tree: Bvh::new(&positions, &faces),
-            points: PointTree::new(&positions, ids),
+            tree: Bvh::new_checked(&positions, &faces, &|| check(0.3))?,
+            points: PointTree::new(&positions, ids, &|part| check(0.5 + 0.5 * part))?,
             area,
             edge,
             positions,
@@ -215,7 +290,7 @@ impl Parts {
             faces,
             face_ids,
             on_boundary,
-        }
+        })
     }
 }
 
@@ -225,10 +300,13 @@ fn edge_means(
     normals: &[DVec3],
     faces: &[[u32; 3]],
     edge: f64,
-) -> (Vec<f64>, Vec<f64>) {
+    check: &dyn Fn() -> Result<()>,
+) -> Result<(Vec<f64>, Vec<f64>)> {
+    let mut pace = Pace::new(check);
     let n = positions.len();
     let (mut turns, mut lengths, mut counts) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     for face in faces {
+        pace.work(FACE)?;
         for k in 0..3 {
             let (a, b) = (face[k] as usize, face[(k + 1) % 3] as usize);
             let length2 = positions[a].distance_squared(positions[b]).max(f64::MIN_POSITIVE);
@@ -243,7 +321,7 @@ fn edge_means(
     for sums in [&mut turns, &mut lengths] {
         sums.iter_mut().zip(&counts).for_each(|(s, &c)| *s /= f64::max(c, 1.0));
     }
-    (turns, lengths)
+    Ok((turns, lengths))
 }
 
 #[cfg(test)]
@@ -291,7 +369,30 @@ pub(crate) mod tests {
             let (i, j) = (*v as usize % n, *v as usize / n);
             i == 0 || j == 0 || i == n - 1 || j == n - 1
         });
-        Source::new(MeshView::new(&vertices[..], &faces[..]), border)
+        Source::new(MeshView::new(&vertices[..], &faces[..]), border, &|_| Ok(())).unwrap()
+    }
+
+    /// More points than a piece holds: what is found is what a look at all of them finds.
+    #[test]
+    fn a_tree_in_pieces_finds_the_nearest_of_all() {
+        let noise = |k: usize, s: usize| ((k * s) % 100_003) as f64 / 100_003.0;
+        let at = |k: usize| DVec3::new(noise(k, 7919), noise(k, 104_729), noise(k, 31_337));
+        let points: Vec<DVec3> = (0..3 * PIECE + 5).map(at).collect();
+        let tree = PointTree::of_all(&points, &|| Ok(())).unwrap();
+        assert!(tree.pieces.len() > 3);
+        for k in 0..40 {
+            let p = 1.4 * at(k * 997 + 1) - DVec3::splat(0.2);
+            let off = |i: &usize| points[*i].distance_squared(p);
+            let nearest = (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+            let (found, square) = tree.nearest(p).unwrap();
+            assert_eq!((points[found as usize], square), (points[nearest], off(&nearest)));
+            let radius = 0.05 + off(&nearest).sqrt();
+            let within: Vec<u32> =
+                (0..points.len()).filter(|i| off(i) <= radius * radius).map(|i| i as u32).collect();
+            assert_eq!(tree.within(p, radius), within);
+        }
+        let stop = || Err(crate::error::Error::Cancelled);
+        assert!(PointTree::of_all(&points, &stop).is_err());
     }
 
     #[test]
@@ -326,7 +427,9 @@ pub(crate) mod tests {
     fn degenerate_faces_are_left_out_and_ids_stay() {
         let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let faces = [[0, 1, 2], [0, 1, 3], [1, 2, 3]];
-        let source = Source::new(MeshView::new(&vertices[..], &faces[..]), [2].into_iter());
+        let source =
+            Source::new(MeshView::new(&vertices[..], &faces[..]), [2].into_iter(), &|_| Ok(()))
+                .unwrap();
         assert_eq!(source.faces, [[0, 1, 3], [1, 2, 3]]);
         assert_eq!(source.face_ids, [1, 2]);
         assert_eq!(source.area, 1.0);
@@ -340,7 +443,7 @@ pub(crate) mod tests {
             .map(|i| DVec3::new((i * 37 % 101) as f64, (i * 53 % 89) as f64, (i % 7) as f64))
             .collect();
         let even: Vec<u32> = (0..200).step_by(2).collect();
-        let tree = PointTree::new(&points, even.clone());
+        let tree = PointTree::new(&points, even.clone(), &|_| Ok(())).unwrap();
         for q in &points {
             let d = |i: &u32| points[*i as usize].distance_squared(*q + 0.3);
             let nearest = even.iter().map(d).fold(f64::INFINITY, f64::min);
@@ -349,7 +452,7 @@ pub(crate) mod tests {
             let near: Vec<u32> = even.iter().copied().filter(|i| d(i) < 400.0).collect();
             assert_eq!(tree.within(*q + 0.3, 20.0), near);
         }
-        let none = PointTree::of_all(&[]);
+        let none = PointTree::of_all(&[], &|| Ok(())).unwrap();
         assert!(none.nearest(DVec3::ZERO).is_none() && none.within(DVec3::ZERO, 1e9).is_empty());
     }
 }

@@ -61,6 +61,9 @@ impl Bounds {
     }
 }
 
+/// Vertices or faces handled between two checks for cancelling.
+const CHUNK: usize = 1 << 16;
+
 /// Faces near the holes, with vertices of their own numbering.
 #[derive(Debug, Default, Clone)]
 pub struct Neighbourhood {
@@ -78,10 +81,12 @@ impl Neighbourhood {
     /// Copies every face whose box meets one of `boxes`. Two linear passes.
     pub fn gather(mesh: MeshView<'_>, boxes: &[Bounds], monitor: &Monitor) -> Result<Self> {
         let grid = Grid::new(boxes);
-        let codes = outcodes(mesh, &grid);
-        monitor.check()?;
+        let codes = outcodes(mesh, &grid, monitor)?;
         let mut face_ids = Vec::new();
         for f in 0..mesh.faces.len() {
+            if f % CHUNK == 0 {
+                monitor.check()?;
+            }
             let [a, b, c] = mesh.faces.get(f).map(|v| codes[v as usize]);
             if a & b & c & OUTSIDE != 0 {
                 continue;
@@ -147,17 +152,21 @@ const OUTSIDE: u8 = 0x3f;
 const MARKED: u8 = 0x80;
 
 /// On which sides of the grid each vertex lies, a bit a side, or whether its place is marked.
-fn outcodes(mesh: MeshView<'_>, grid: &Grid) -> Vec<u8> {
+fn outcodes(mesh: MeshView<'_>, grid: &Grid, monitor: &Monitor) -> Result<Vec<u8>> {
     let (min, max) = (grid.bounds.min, grid.bounds.max);
-    (0..mesh.vertices.len())
-        .map(|v| {
+    let n = mesh.vertices.len();
+    let mut codes = Vec::with_capacity(n);
+    for start in (0..n).step_by(CHUNK) {
+        monitor.check()?;
+        codes.extend((start..n.min(start + CHUNK)).map(|v| {
             let p = DVec3::from(mesh.vertices.get(v));
             match (p.cmplt(min).bitmask() | p.cmpgt(max).bitmask() << 3) as u8 {
                 0 if grid.meets(&Bounds { min: p, max: p }) => MARKED,
                 sides => sides,
             }
-        })
-        .collect()
+        }));
+    }
+    Ok(codes)
 }
 
 /// With fewer holes than this a scan of all faces for each is cheaper than sorting them.

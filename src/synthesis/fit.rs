@@ -71,24 +71,26 @@ pub fn fit(
     domain: &Domain,
     copies: &[Copy],
     threads: usize,
-    check: &dyn Fn() -> Result<()>,
+    check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<Fitted>> {
     let n = domain.sheet.positions.len();
     let unit = 0.01 * domain.radius.powi(4);
     let mut energy = domain.plate_energy();
     let mut weight = vec![0.0; n];
     domain.ring.iter().for_each(|&v| weight[v] = domain.laplacian.mass[v]);
+    check(0.0)?;
     // Warms up the ordering, which all workers then share.
     if domain.ring.is_empty() || energy.factor(unit * STIFFNESSES[3], &weight).is_none() {
         return Ok(None);
     }
+    check(0.0)?;
     let groups = HIDDEN.len();
     let trials = STIFFNESSES.len() * groups;
     let one = |trial: usize| {
         let (stiffness, width) = (STIFFNESSES[trial / groups], HIDDEN[trial % groups]);
         hide(domain, copies, &energy, &weight, unit * stiffness, width)
     };
-    let errors = parallel::map(trials, threads, check, &one)?;
+    let errors = parallel::map_part(trials, threads, check, &one)?;
     let Some(mut errors) = errors.into_iter().collect::<Option<Vec<Hidden>>>() else {
         return Ok(None);
     };
@@ -96,7 +98,9 @@ pub fn fit(
         .map(|s| pool(&errors[s * groups..(s + 1) * groups], copies.len() + 1))
         .collect();
     let chosen = choose(&by_stiffness, copies.len());
-    let Some(mut fitted) = apply(domain, copies, &mut energy, &weight, unit, chosen) else {
+    let stop = || check(1.0);
+    let made = apply(domain, copies, &mut energy, &weight, unit, chosen, &stop)?;
+    let Some(mut fitted) = made else {
         return Ok(None);
     };
     // The plate is at its best when it follows what is known, not at the copies' stiffness.
@@ -211,9 +215,13 @@ fn apply(
     weight: &[f64],
     unit: f64,
     chosen: usize,
-) -> Option<Fitted> {
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Option<Fitted>> {
     let mut columns = mismatches(domain, copies, weight);
-    energy.factor(unit * STIFFNESSES[chosen], weight)?.solve(&mut columns);
+    let Some(factor) = energy.factor(unit * STIFFNESSES[chosen], weight) else { return Ok(None) };
+    check()?;
+    factor.solve(&mut columns);
+    check()?;
     let leftover: Vec<Vec<f64>> = copies
         .iter()
         .zip(&columns)
@@ -223,7 +231,8 @@ fn apply(
             rest
         })
         .collect();
-    let faded = fade(domain, &leftover)?;
+    let Some(faded) = fade(domain, &leftover) else { return Ok(None) };
+    check()?;
     let heights = copies
         .iter()
         .enumerate()
@@ -232,14 +241,14 @@ fn apply(
         })
         .collect();
     let stiffness = STIFFNESSES[chosen];
-    Some(Fitted {
+    Ok(Some(Fitted {
         heights,
         error: Vec::new(),
         plate_error: 0.0,
         leftover,
         stiffness,
         hidden: Vec::new(),
-    })
+    }))
 }
 
 /// (L + M/ℓ²) e = 0 in the fill, e given on the known vertices.

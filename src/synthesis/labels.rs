@@ -7,6 +7,7 @@
 //! Differences from the paper: two rounds over the labels at most, best first; a third changes
 //! nothing to speak of.
 
+use crate::error::Result;
 use std::collections::VecDeque;
 
 /// Rounds over all labels.
@@ -44,13 +45,19 @@ impl Energy<'_> {
 
     /// A labelling with (locally) least energy, started from label `first` everywhere. Labels are
     /// offered in the order given.
-    pub fn minimise(&self, first: usize, order: &[usize]) -> Vec<usize> {
+    pub fn minimise(
+        &self,
+        first: usize,
+        order: &[usize],
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Vec<usize>> {
         let n = self.unary.first().map_or(0, Vec::len);
         let mut labels = vec![first; n];
         let mut energy = self.of(&labels);
         for _ in 0..ROUNDS {
             let before = energy;
             for &alpha in order {
+                check()?;
                 let moved = self.expand(&labels, alpha);
                 let better = self.of(&moved);
                 if better < energy {
@@ -61,7 +68,7 @@ impl Energy<'_> {
                 break;
             }
         }
-        labels
+        Ok(labels)
     }
 
     /// The best labelling in which each vertex keeps its label or takes α. A vertex on the source's
@@ -208,7 +215,7 @@ mod tests {
             let (unary, values) = (table(0), table(31));
             let edges = [(0, 1), (1, 2), (2, 3)];
             let energy = Energy { unary: &unary, values: &values, edges: &edges };
-            let found = energy.of(&energy.minimise(0, &[0, 1, 2]));
+            let found = energy.of(&energy.minimise(0, &[0, 1, 2], &|| Ok(())).unwrap());
             let all = (0..81).map(|c| energy.of(&[c % 3, c / 3 % 3, c / 9 % 3, c / 27]));
             let best = all.fold(f64::INFINITY, f64::min);
             // Expansion moves promise a factor of two; on a chain they nearly always find the best.

@@ -8,7 +8,7 @@ use super::rank::{known_normals, score, weights, Scores};
 use super::view::{look, View};
 use super::window::{one_window, plan_windows, Window};
 use crate::descriptor::curvature::tests::grid;
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::fill::patch::Patch;
 use crate::fill::sheet::Incidence;
 use crate::matching::rigid::Rigid;
@@ -18,10 +18,6 @@ use crate::mesh::neighbourhood::Neighbourhood;
 use crate::mesh::MeshView;
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
-
-fn go_on() -> Result<()> {
-    Ok(())
-}
 
 /// A whole mesh, of which a part is a hole.
 struct Object {
@@ -85,7 +81,7 @@ impl Object {
             self.positions.iter().map(|&p| away.point(p).to_array()).collect();
         let turned = |f: &[u32; 3]| if away.is_mirrored() { [f[0], f[2], f[1]] } else { *f };
         let faces: Vec<[u32; 3]> = self.faces.iter().map(turned).collect();
-        Source::new(MeshView::new(&vertices[..], &faces[..]), [].into_iter())
+        Source::new(MeshView::new(&vertices[..], &faces[..]), [].into_iter(), &|_| Ok(())).unwrap()
     }
 }
 
@@ -197,7 +193,8 @@ fn a_source_that_covers_too_little_is_refused() {
     let kept: Vec<[u32; 3]> =
         object.faces.iter().zip(&object.hole).filter(|f| !*f.1).map(|f| *f.0).collect();
     let vertices: Vec<[f64; 3]> = object.positions.iter().map(|p| p.to_array()).collect();
-    let broken = Source::new(MeshView::new(&vertices[..], &kept[..]), [].into_iter());
+    let broken =
+        Source::new(MeshView::new(&vertices[..], &kept[..]), [].into_iter(), &|_| Ok(())).unwrap();
     assert!(project(&d, &broken, &Rigid::IDENTITY).is_none(), "the hole itself is no source");
 }
 
@@ -212,7 +209,7 @@ fn nudged(angle: f64, by: DVec3) -> Rigid {
 }
 
 fn fitted(d: &Domain, copies: &[Copy]) -> Fitted {
-    fit(d, copies, 1, &go_on).unwrap().unwrap()
+    fit(d, copies, 1, &|_| Ok(())).unwrap().unwrap()
 }
 
 #[test]
@@ -331,7 +328,7 @@ fn one_window_is_the_whole_domain() {
 }
 
 fn seen<'a>(window: &'a Window, source: &Source, by: &[Rigid]) -> Option<View<'a>> {
-    look(window, source, by, 0.0, 1, &go_on).unwrap()
+    look(window, source, by, 0.0, 1, &|_| Ok(())).unwrap()
 }
 
 /// A flat fill is lifted onto the hills by the copy that shows them, the wrong ones notwithstanding.
@@ -366,7 +363,7 @@ fn nothing_to_look_at_is_no_view() {
     let source = object.source(&Rigid::IDENTITY);
     assert!(seen(&window, &source, &[]).is_none());
     assert!(seen(&window, &source, &[nudged(0.0, DVec3::X * 9.0)]).is_none());
-    let stop = || Err(Error::Cancelled);
+    let stop = |_| Err(Error::Cancelled);
     let stopped = look(&window, &source, &[Rigid::IDENTITY], 0.0, 1, &stop);
     assert_eq!(stopped.err(), Some(Error::Cancelled));
 }

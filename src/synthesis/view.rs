@@ -66,20 +66,23 @@ pub fn look<'a>(
     candidates: &[Rigid],
     roughness: f64,
     threads: usize,
-    check: &dyn Fn() -> Result<()>,
+    check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<View<'a>>> {
     let domain = &window.domain;
     let one = |i: usize| project(domain, source, &candidates[i]);
-    let copies: Vec<Copy> = crate::parallel::map(candidates.len(), threads, check, &one)?
-        .into_iter()
-        .flatten()
-        .collect();
+    let copies: Vec<Copy> =
+        crate::parallel::map_part(candidates.len(), threads, &|part| check(0.4 * part), &one)?
+            .into_iter()
+            .flatten()
+            .collect();
     if copies.is_empty() || domain.fill.is_empty() {
         return Ok(None);
     }
-    let Some(fitted) = fit(domain, &copies, threads, check)? else { return Ok(None) };
+    let Some(fitted) = fit(domain, &copies, threads, &|part| check(0.4 + 0.3 * part))? else {
+        return Ok(None);
+    };
     let scores = score(domain, &copies, &fitted, roughness);
-    check()?;
+    check(0.7)?;
     let (first, n) = (domain.fill.start, domain.fill.len());
     let mut shares = vec![0.0; copies.len()];
     let mut base = Vec::with_capacity(n);
@@ -94,10 +97,10 @@ pub fn look<'a>(
     }
     let doubt = ((ratio - TRUSTED.0) / (TRUSTED.1 - TRUSTED.0)).clamp(0.0, 1.0);
     let apart = APART * (1.0 - 0.4 * doubt);
-    let labels = choose_labels(window, &fitted, &scores, &base, apart);
+    let labels = choose_labels(window, &fitted, &scores, &base, apart, &|| check(0.75))?;
     let share = share * (1.0 - OPTIMISM * ratio * ratio);
     base.iter_mut().for_each(|b| *b *= 1.0 - doubt * (1.0 - share));
-    check()?;
+    check(1.0)?;
     let mut own = vec![None; window.weight.len()];
     let whole_start = window.whole_start();
     domain.fill.clone().for_each(|v| own[window.parent[v] - whole_start] = Some(v));
@@ -111,7 +114,8 @@ fn choose_labels(
     scores: &super::rank::Scores,
     base: &[f64],
     apart: f64,
-) -> Vec<usize> {
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Vec<usize>> {
     let domain = &window.domain;
     let first = domain.fill.start;
     let mut edges = Vec::new();
@@ -134,5 +138,5 @@ fn choose_labels(
         .collect();
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| scores.mean[a].total_cmp(&scores.mean[b]).then(a.cmp(&b)));
-    Energy { unary: &unary, values: &values, edges: &edges }.minimise(scores.best, &order)
+    Energy { unary: &unary, values: &values, edges: &edges }.minimise(scores.best, &order, check)
 }

@@ -6,8 +6,8 @@ use complete_mesh::intersect::Bvh;
 use complete_mesh::matching::rigid::Rigid;
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
 use complete_mesh::{
-    complete_mesh, complete_mesh_with, Completer, Completion, Error, Grouping, MeshView, Method,
-    Monitor, Options, Selection,
+    complete_mesh, complete_mesh_with, Completer, Completion, Error, Fairing, Grouping, MeshView,
+    Method, Monitor, Options, Selection, Sizing,
 };
 use glam::{DMat3, DVec3};
 
@@ -301,7 +301,7 @@ fn the_smallest_meshes_are_filled() {
     fill(&octahedron, Method::Coherent);
     // Refined to many vertices, with next to nothing known.
     octahedron.faces.pop();
-    let sizing = complete_mesh::Sizing::EdgeLength(0.1);
+    let sizing = Sizing::EdgeLength(0.1);
     let options = Options { sizing, ..Options::default() };
     let made = complete_checked(&octahedron, &options);
     assert!(made.vertices.len() > 50, "{}", made.vertices.len());
@@ -322,6 +322,25 @@ fn a_completer_gives_the_same_again() {
     assert!(same(&first, &kept.complete(&coherent, &silent).unwrap()));
     let fresh = complete_mesh(&left.vertices[..], &left.faces[..], &coherent).unwrap();
     assert!(same(&first, &fresh));
+}
+
+/// What a completer keeps of other calls changes nothing: one hole and then all, another fairing,
+/// smaller triangles.
+#[test]
+fn what_was_asked_before_does_not_matter() {
+    let (_, left) = broken(Sample::Torus, Break::Several, 1, 8.0);
+    let silent = Monitor::silent();
+    let view = MeshView::new(&left.vertices[..], &left.faces[..]);
+    let kept = Completer::new(view, &Grouping::Automatic, &silent).unwrap();
+    let all = Options::default();
+    let one = Options { selection: Selection::Ids(vec![1]), ..all.clone() };
+    let fairing = Options { fairing: Fairing::C1, ..all.clone() };
+    let sizing = Options { sizing: Sizing::Scaled(0.8), ..all.clone() };
+    for asked in [&one, &all, &fairing, &sizing, &one, &all] {
+        let fresh = complete_mesh(&left.vertices[..], &left.faces[..], asked).unwrap();
+        assert!(fresh.holes.iter().any(|h| h.method == Method::Coherent));
+        assert!(same(&fresh, &kept.complete(asked, &silent).unwrap()), "{asked:?}");
+    }
 }
 
 /// Stopped anywhere on the way; the same completer then still gives the whole result.

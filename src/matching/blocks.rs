@@ -1,0 +1,221 @@
+//! The points of a cloud by blocks of near ones, in single precision and lane by lane: height maps
+//! are made of some thousand points each, and this is most of what a search costs.
+//!
+//! Sums run over the lanes in the same order on every machine, whatever its vectors: same bytes.
+
+use crate::error::Result;
+use crate::intersect::Aabb;
+use glam::DVec3;
+
+/// Points that are worked on side by side.
+pub const LANES: usize = 8;
+/// Points of a block at most.
+const MOST: usize = 4 * LANES;
+/// Splits of more points than this ask whether to go on.
+const CHECKED: usize = 1 << 12;
+
+/// A value of each of some points.
+pub type Lanes = [f32; LANES];
+
+/// Points side by side; places that no point fills lie far off.
+#[derive(Clone, Copy)]
+pub struct Group {
+    /// Position, relative to the block's origin.
+    pub at: [Lanes; 3],
+    /// Unit normal.
+    pub normal: [Lanes; 3],
+    /// Which points of the cloud they are.
+    pub ids: [u32; LANES],
+}
+
+/// Farther than any point, with a square that is still a number.
+const FAR: f32 = 1e18;
+
+impl Group {
+    const EMPTY: Self = Self { at: [[FAR; LANES]; 3], normal: [[0.0; LANES]; 3], ids: [0; LANES] };
+}
+
+/// A box of a tree in depth-first order.
+struct Node {
+    bounds: Aabb,
+    /// Where to go on if nothing of it is wanted.
+    next: u32,
+    /// Groups of a leaf; none of an inner node.
+    groups: std::ops::Range<u32>,
+}
+
+/// A tree over points.
+pub struct Blocks {
+    nodes: Vec<Node>,
+    groups: Vec<Group>,
+}
+
+/// The blocks that a ball meets.
+pub struct Near {
+    centre: DVec3,
+    /// Of the ball, in mesh units.
+    pub radius: f64,
+    nodes: Vec<u32>,
+}
+
+impl Blocks {
+    /// Over points with unit normals.
+    pub fn new(
+        points: &[DVec3],
+        normals: &[DVec3],
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        let mut ids: Vec<u32> = (0..points.len() as u32).collect();
+        let mut blocks = Self { nodes: Vec::new(), groups: Vec::new() };
+        if !ids.is_empty() {
+            blocks.add(points, normals, &mut ids, check)?;
+        }
+        Ok(blocks)
+    }
+
+    fn add(
+        &mut self,
+        points: &[DVec3],
+        normals: &[DVec3],
+        ids: &mut [u32],
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<()> {
+        let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &i in ids.iter() {
+            (lo, hi) = (lo.min(points[i as usize]), hi.max(points[i as usize]));
+        }
+        let (node, first) = (self.nodes.len(), self.groups.len() as u32);
+        self.nodes.push(Node { bounds: Aabb { lo, hi }, next: 0, groups: first..first });
+        if ids.len() <= MOST {
+            ids.sort_unstable();
+            self.groups.extend(ids.chunks(LANES).map(|ids| group(points, normals, ids, lo)));
+            self.nodes[node].groups.end = self.groups.len() as u32;
+        } else {
+            if ids.len() > CHECKED {
+                check()?;
+            }
+            let axis = (hi - lo).max_position();
+            let key = |i: &u32| points[*i as usize][axis];
+            // Whole groups on the left.
+            let middle = (ids.len() / 2).next_multiple_of(LANES);
+            ids.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
+            let (left, right) = ids.split_at_mut(middle);
+            self.add(points, normals, left, check)?;
+            self.add(points, normals, right, check)?;
+        }
+        self.nodes[node].next = self.nodes.len() as u32;
+        Ok(())
+    }
+
+    /// The blocks with points in a ball, and others that are near.
+    pub fn near(&self, centre: DVec3, radius: f64) -> Near {
+        let (mut nodes, mut at) = (Vec::new(), 0);
+        while let Some(node) = self.nodes.get(at) {
+            let off = centre.distance_squared(centre.clamp(node.bounds.lo, node.bounds.hi));
+            if off > radius * radius {
+                at = node.next as usize;
+                continue;
+            }
+            if !node.groups.is_empty() {
+                nodes.push(at as u32);
+            }
+            at += 1;
+        }
+        Near { centre, radius, nodes }
+    }
+
+    /// Calls `visit` with each group of the blocks found, and its origin as seen from the ball's centre.
+    #[inline(always)]
+    pub fn visit(&self, near: &Near, mut visit: impl FnMut(&Group, [f32; 3])) {
+        for &node in &near.nodes {
+            let node = &self.nodes[node as usize];
+            let origin = (node.bounds.lo - near.centre).as_vec3().to_array();
+            let groups = node.groups.start as usize..node.groups.end as usize;
+            self.groups[groups].iter().for_each(|group| visit(group, origin));
+        }
+    }
+
+    /// The sum of the normals of the points within `radius` of the ball's centre that are on the side
+    /// of `normal`.
+    pub fn sum_normals(&self, near: &Near, normal: DVec3, radius: f64) -> DVec3 {
+        let side = normal.as_vec3().to_array();
+        let square = (radius * radius) as f32;
+        let mut sums = [[0f32; LANES]; 3];
+        pulp::Arch::new().dispatch(|| {
+            self.visit(near, |group, origin| {
+                for l in 0..LANES {
+                    let [x, y, z] = [0, 1, 2].map(|k| group.at[k][l] + origin[k]);
+                    let n = [0, 1, 2].map(|k| group.normal[k][l]);
+                    let counts = (n[0] * side[0] + n[1] * side[1] + n[2] * side[2] > 0.0)
+                        & (x * x + y * y + z * z < square);
+                    let weight = if counts { 1.0 } else { 0.0 };
+                    for k in 0..3 {
+                        sums[k][l] += weight * n[k];
+                    }
+                }
+            });
+        });
+        DVec3::from(sums.map(|lanes| lanes.iter().map(|&x| f64::from(x)).sum()))
+    }
+}
+
+fn group(points: &[DVec3], normals: &[DVec3], ids: &[u32], origin: DVec3) -> Group {
+    let mut group = Group::EMPTY;
+    for (l, &i) in ids.iter().enumerate() {
+        let (p, n) = (points[i as usize] - origin, normals[i as usize]);
+        for k in 0..3 {
+            (group.at[k][l], group.normal[k][l]) = (p[k] as f32, n[k] as f32);
+        }
+        group.ids[l] = i;
+    }
+    group
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+
+    fn noise(k: usize, s: usize) -> f64 {
+        ((k * s) % 10_007) as f64 / 10_007.0
+    }
+
+    /// What is visited holds every point of the ball once, where it is.
+    #[test]
+    fn every_point_of_a_ball_is_visited() {
+        let at = |k: usize| DVec3::new(noise(k, 7919), noise(k, 4729), 3.0 + noise(k, 1337));
+        for count in [0, 1, 31, 33, 5000] {
+            let points: Vec<DVec3> = (0..count).map(at).collect();
+            let normals: Vec<DVec3> = points.iter().map(|p| p.normalize()).collect();
+            let blocks = Blocks::new(&points, &normals, &|| Ok(())).unwrap();
+            for (k, radius) in [(3, 0.1), (17, 0.4), (40, 9.0)] {
+                let (centre, mut seen) = (at(k), Vec::new());
+                let near = blocks.near(centre, radius);
+                let mut sum = DVec3::ZERO;
+                blocks.visit(&near, |group, origin| {
+                    for l in (0..LANES).filter(|&l| group.at[0][l] != FAR) {
+                        let p = [0, 1, 2].map(|k| f64::from(group.at[k][l] + origin[k]));
+                        let i = group.ids[l] as usize;
+                        assert!(DVec3::from(p).distance(points[i] - centre) < 1e-6);
+                        seen.push(i);
+                    }
+                });
+                let all = seen.len();
+                seen.sort_unstable();
+                seen.dedup();
+                assert_eq!(seen.len(), all, "none twice");
+                for i in 0..count {
+                    let off = points[i].distance(centre);
+                    assert!(off > radius || seen.binary_search(&i).is_ok());
+                    if off < 0.99 * radius && normals[i].x > 0.0 {
+                        sum += normals[i];
+                    }
+                }
+                let found = blocks.sum_normals(&near, DVec3::X, 0.99 * radius);
+                assert!(found.distance(sum) < 1e-6 * (1.0 + sum.length()), "{found} {sum}");
+            }
+            let stop = || Err(Error::Cancelled);
+            assert_eq!(Blocks::new(&points, &normals, &stop).is_err(), count == 5000);
+        }
+    }
+}
