@@ -17,7 +17,7 @@ use crate::matching::cloud::Cloud;
 use crate::matching::height_map::Candidate;
 use crate::matching::icp::RingPoint;
 use crate::matching::search::{
-    cloud_at, cloud_scale, find_candidates, radius_at, scale_of, Maps, Target,
+    cloud_at, cloud_scale, find_candidates, radius_at, realign, scale_of, Maps, Target,
 };
 use crate::matching::source::Source;
 use crate::mesh::MeshView;
@@ -302,9 +302,17 @@ impl Scope<'_> {
     ) -> Result<Option<(Patch, Story)>> {
         let Some(window) = one_window(domain) else { return Ok(None) };
         let source = self.library.source();
-        let transforms: Vec<_> = first.copies.iter().map(|c| c.transform).collect();
+        let mut transforms: Vec<_> = first.copies.iter().map(|c| c.transform).collect();
         let roughness = self.roughness(&window.domain);
         let stop = |part: f64| (self.check)(self.first + (1.0 - self.first) * part);
+        // Those that had the most say are worth more alignments.
+        let mut order: Vec<usize> = (0..transforms.len()).collect();
+        order.sort_by(|&a, &b| first.shares[b].total_cmp(&first.shares[a]).then(a.cmp(&b)));
+        let best: Vec<_> = order.iter().map(|&k| transforms[k]).collect();
+        let ring = first.window.domain.ring_points();
+        let target = first.window.domain.target(&ring);
+        let (known, threads) = (&self.library.known, self.threads);
+        transforms.extend(realign(known, source, &target, &best, threads, &|| stop(0.0))?);
         let views: Vec<View<'_>> =
             look(&window, source, &transforms, roughness, self.threads, &stop)?
                 .into_iter()

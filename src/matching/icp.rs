@@ -12,15 +12,15 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{Matrix6, Vector6};
 
 /// Least cosine between the normals of a pair.
-const AGREE: f64 = 0.3;
+pub const AGREE: f64 = 0.3;
 /// Share of the pairs that is used by default, the nearest ones.
 pub const KEEP: f64 = 0.85;
 /// An iteration that moves no point by more than this part of an edge is the last.
-const STILL: f64 = 5e-3;
+pub const STILL: f64 = 5e-3;
 /// The same where partners are vertices, which decides only what is looked at closer.
 const ROUGHLY: f64 = 3e-2;
 /// No face.
-const NONE: u32 = u32::MAX;
+pub const NONE: u32 = u32::MAX;
 
 /// A known point of the ring with its normal.
 pub type RingPoint = (DVec3, DVec3);
@@ -114,7 +114,9 @@ fn improve(
     Some(Rigid { linear: rotation, translation: middle + shift - rotation * middle })
 }
 
-fn find_partner(
+/// The partner of a point on the source, and the normal there. `hint`: the face of the last one, or
+/// [`NONE`].
+pub fn find_partner(
     source: &Source,
     p: DVec3,
     partner: Partner,
@@ -152,7 +154,7 @@ pub fn misfit(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f6
     let (mut square, mut turned) = (0.0, 0.0);
     for &(p, n) in ring {
         let most = 0.5 * radius;
-        let (p, n) = (back.point(p), back.direction(n));
+        let (p, n) = (back.point(p), back.direction(n).normalize());
         let (gap, cosine) =
             match find_partner(source, p, Partner::Vertex, radius, &mut NONE.clone()) {
                 Some((q, m)) => ((q - p).dot(m).abs().min(most), n.dot(m)),

@@ -11,5 +11,6 @@ pub mod patch;
 pub mod rigid;
 pub mod search;
 pub mod source;
+pub mod stretch;
 #[cfg(test)]
 mod tests;

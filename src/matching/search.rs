@@ -3,7 +3,9 @@
 use super::cloud::{thin, Cloud, Thinned};
 use super::height_map::{keep_different, Candidate, Frame, HeightMap, RingPattern};
 use super::icp::{align, misfit, Partner, RingPoint, KEEP};
+use super::rigid::Rigid;
 use super::source::Source;
+use super::stretch::stretch;
 use crate::error::Result;
 use crate::parallel;
 use glam::DVec3;
@@ -215,12 +217,37 @@ fn align_all(
     let found = parallel::map_part(found.len(), threads, &|part| check(0.4 + 0.4 * part), &second)?;
     let mut found = merge(found, target, effort.fine);
     // The best also by a wider ring, whole: where the near one is plain, or not quite alike.
-    let wide = wide_ring(known, target);
+    let wide = wide_ring(known, target, 1.0);
     let third = |i: usize| improve(&found[i], &wide, &fine, Partner::Surface, 15, 1.0);
     let variants = parallel::map(found.len().min(effort.widened), threads, &|| check(0.8), &third)?;
     found.extend(variants);
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     Ok(found)
+}
+
+/// More alignments of the best copies (source to target, best first), for a hole where copies are to be
+/// trusted: by a ring of one and a half radii, and stretched to one of a radius.
+pub fn realign(
+    known: &Source,
+    source: &Source,
+    target: &Target<'_>,
+    best: &[Rigid],
+    threads: usize,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Vec<Rigid>> {
+    let best = &best[..best.len().min((target.fill.len() / 30).clamp(2, 14))];
+    let (wide, wider) = (wide_ring(known, target, 1.0), wide_ring(known, target, 1.5));
+    let reach = 0.5 * target.radius;
+    let surface = Partner::Surface;
+    let one = |i: usize| match best.get(i) {
+        Some(&start) => align(source, &wider, start, surface, 15, reach, 1.0),
+        None => {
+            let start = best[i - best.len()];
+            let start = align(source, &wide, start, surface, 15, reach, KEEP);
+            stretch(source, &wide, &start, 15, reach, KEEP)
+        }
+    };
+    parallel::map(2 * best.len(), threads, check, &one)
 }
 
 fn search_maps(
@@ -272,9 +299,9 @@ fn search_maps(
     Ok(kept.chunks(widths.len()).map(|c| c.concat()).collect())
 }
 
-/// Known points up to a whole radius from the hole, on the target's side.
-fn wide_ring(known: &Source, target: &Target<'_>) -> Vec<RingPoint> {
-    let near = known.points.within(target.centre, 2.0 * target.radius);
+/// Known points up to `width` radii from the hole, on the target's side.
+fn wide_ring(known: &Source, target: &Target<'_>, width: f64) -> Vec<RingPoint> {
+    let near = known.points.within(target.centre, (1.0 + width) * target.radius);
     let points: Vec<RingPoint> = near
         .iter()
         .map(|&v| (known.positions[v as usize], known.normals[v as usize]))

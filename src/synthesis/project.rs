@@ -92,7 +92,9 @@ fn meet(domain: &Domain, source: &Source, back: &Rigid, v: usize, copy: &mut Cop
     };
     let barycentric = source.barycentric(face, origin + height * direction);
     copy.heights[v] = height;
-    copy.normals[v] = copy.transform.direction(source.smooth_normal(face, barycentric));
+    // Normals go by the inverse transpose, which differs where the copy is stretched.
+    let normal = back.linear.transpose() * source.smooth_normal(face, barycentric);
+    copy.normals[v] = normal.normalize_or_zero();
     copy.places[v] = Some(Place { face, barycentric });
     true
 }
