@@ -312,6 +312,7 @@ impl COptions {
             ));
         }
         Ok(Options {
+            appearance: None,
             method: match self.method {
                 0 => Method::Smooth,
                 1 => Method::Coherent,

@@ -203,6 +203,7 @@ impl FillArgs {
             }
         };
         let options = Options {
+            appearance: None,
             method,
             selection: self.selection.selection(),
             grouping: self.grouping.grouping(),

@@ -1,6 +1,6 @@
 //! Wavefront OBJ. The lines stay as they are; new `v` and `f` lines go to the end of the file.
 
-use super::attributes::{Blend, Patch};
+use super::attributes::{Blend, Column, Patch};
 use super::edit::Edit;
 use super::error::{Fault, IoError, Parsed};
 use super::obj_corners::Corners;
@@ -197,8 +197,8 @@ pub(super) fn append(
     bytes: &[u8],
     mesh: &Mesh,
     completion: &Completion,
+    patch: &Patch<'_>,
 ) -> Result<Vec<Edit>, IoError> {
-    let patch = Patch::new(completion);
     let line_end = line_end(bytes);
     let mut with = Vec::new();
     if bytes.trim_ascii_end().ends_with(b"\\") {
@@ -208,9 +208,9 @@ pub(super) fn append(
     } else if !matches!(bytes.last(), Some(b'\n' | b'\r')) {
         with.extend_from_slice(line_end);
     }
-    write_points(&mut with, bytes, mesh, completion, &patch, line_end);
-    let corners = Corners::write_values(&mut with, bytes, mesh, completion, &patch, line_end);
-    write_faces(&mut with, bytes, mesh, completion, &patch, &corners, line_end);
+    write_points(&mut with, bytes, mesh, completion, patch, line_end);
+    let corners = Corners::write_values(&mut with, bytes, mesh, completion, patch, line_end);
+    write_faces(&mut with, bytes, mesh, completion, patch, &corners, line_end);
     Ok(vec![Edit { at: bytes.len()..bytes.len(), with }])
 }
 
@@ -223,10 +223,10 @@ fn write_points(
     line_end: &[u8],
 ) {
     let single = mesh.positions.view(bytes).is_single();
-    let mut rim = patch.rim().iter().peekable();
+    let mut known = patch.known().iter().peekable();
     let rows: Vec<Vec<f64>> = extras(bytes)
         .enumerate()
-        .filter(|(i, _)| rim.next_if(|&&v| v as usize == *i).is_some())
+        .filter(|(i, _)| known.next_if(|&&v| v as usize == *i).is_some())
         .map(|(_, e)| e)
         .collect();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0).min(4);
@@ -237,7 +237,9 @@ fn write_points(
         .iter()
         .flat_map(|row| (0..columns).map(|c| row.get(c).copied().unwrap_or(white)))
         .collect();
-    let carried = patch.carry(&values, &vec![Blend::Smooth; columns]);
+    let full = if in_bytes { 255.0 } else { 1.0 };
+    let column = |c: usize| Column { blend: Blend::Copied, colour: Some((c, full)) };
+    let carried = patch.complete(&values, &(0..columns).map(column).collect::<Vec<_>>());
     for (i, p) in completion.vertices.iter().enumerate() {
         out.push(b'v');
         for &x in p {
