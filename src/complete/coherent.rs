@@ -27,6 +27,7 @@ use crate::result::{Origin, Seam, SourceReport};
 use crate::synthesis::domain::{Domain, Extent};
 use crate::synthesis::join::{join, places_beside};
 use crate::synthesis::project::Place;
+use crate::synthesis::resemblance::coherence_error;
 use crate::synthesis::view::{look, View};
 use crate::synthesis::window::{one_window, plan_windows, Window};
 use std::collections::BTreeMap;
@@ -146,7 +147,14 @@ pub fn complete_hole(
     let roughness = scope.roughness(&window.domain);
     let views = look(&window, source, &transforms, roughness, threads, &|| check(0.85))?;
     let views: Vec<View<'_>> = views.into_iter().collect();
-    Ok(finish(&patch, source, &domain, &views).or(Some(first)))
+    let Some((patch, mut story)) = finish(&patch, source, &domain, &views) else {
+        return Ok(Some(first));
+    };
+    // What it was before is what it was before both looks.
+    if let (Some(error), Some(first)) = (&mut story.coherence_error, first.1.coherence_error) {
+        error[0] = first[0];
+    }
+    Ok(Some((patch, story)))
 }
 
 /// Where the copies' triangles are smaller than those around the hole, the fill's shall be, too.
@@ -212,11 +220,15 @@ fn finish(
         return None;
     }
     let joined = join(domain, views)?;
+    let before = coherence_error(views, &|_| 0.0);
+    let after = coherence_error(views, &|i| joined.heights[i]);
     let mut patch = initial.clone();
     for (i, v) in domain.fill.clone().enumerate() {
         patch.positions[v] = domain.sheet.positions[v] + joined.heights[i] * domain.directions[v];
     }
-    Some((patch, tell(source, domain, views, &joined.labels)))
+    let coherence_error = Some([before, after]).filter(|e| e[0].is_finite());
+    let story = tell(source, domain, views, &joined.labels);
+    Some((patch, Story { coherence_error, ..story }))
 }
 
 /// Where each vertex comes from. `labels`: view and copy of each fill vertex.
@@ -269,5 +281,5 @@ fn tell(
         .collect();
     let confidence =
         origins.iter().map(|o| o.confidence).sum::<f64>() / origins.len().max(1) as f64;
-    Story { origins, sources, seams, confidence }
+    Story { origins, sources, seams, confidence, coherence_error: None }
 }

@@ -253,6 +253,7 @@ impl<'a> Completer<'a> {
         let made = coherent::complete_hole(around, fill, library, threads, check)?;
         let Some((patch, story)) = made else { return Ok(()) };
         if let Ok(patch) = obstacles.settle(around, patch, &|| check(0.95))? {
+            fill.coherence_error = story.coherence_error;
             (fill.patch, fill.story, fill.method) = (patch, Some(story), Method::Coherent);
         }
         Ok(())

@@ -92,6 +92,8 @@ pub struct Story {
     pub seams: Vec<Seam>,
     /// See [`crate::HoleReport::confidence`].
     pub confidence: f64,
+    /// See [`crate::HoleReport::coherence_error`].
+    pub coherence_error: Option<[f64; 2]>,
 }
 
 /// Fills one hole whose loops are given in neighbourhood vertices. `check` is called between the

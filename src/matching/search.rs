@@ -22,7 +22,7 @@ const BATCH: usize = 32;
 /// Normals are averaged over this radius, in hole radii, to give a map its plane.
 const PLANE: f64 = 0.7;
 /// How much a target is worth. All grow with its fill up to some five hundred vertices, so that many
-/// small holes cost no more than a large one. Twice as many candidates gain nothing.
+/// small holes cost no more than a large one. More candidates gain nothing.
 struct Effort {
     /// Source maps that it is compared with: half of them the nearest, the others spread over the rest.
     maps: usize,
@@ -43,9 +43,9 @@ impl Effort {
             1 => Self {
                 maps: (10 * n).max(400),
                 widths: &WIDTHS,
-                kept: (n / 10).clamp(8, 24),
-                fine: (n / 12).clamp(6, 20),
-                widened: (n / 30).clamp(2, 6),
+                kept: (n / 8).clamp(10, 80),
+                fine: (n / 12).clamp(6, 30),
+                widened: (n / 30).clamp(2, 8),
             },
             // The windows along a long hole are many.
             _ => Self { maps: 500, widths: &WIDTHS[..1], kept: 10, fine: 6, widened: 0 },
@@ -133,7 +133,8 @@ impl Maps {
     /// The centres that a target is compared with, in order.
     fn choose(&self, target: &Target<'_>, most: usize) -> Vec<u32> {
         let mut ids: Vec<u32> = (0..self.maps.len() as u32).collect();
-        if ids.len() > most {
+        // Near means something on the object itself; what was chosen is looked through whole.
+        if ids.len() > most && Arc::ptr_eq(&self.cloud, &self.known) {
             let off = |i: &u32| self.centres.points[*i as usize].distance_squared(target.centre);
             ids.sort_by(|a, b| off(a).total_cmp(&off(b)).then(a.cmp(b)));
             let mut far = ids.split_off(most / 2);
@@ -397,7 +398,7 @@ mod tests {
                     .remove(0)
             };
             let found = run(1);
-            assert!(found.len() <= 26 && found.is_sorted_by(|a, b| a.cost <= b.cost));
+            assert!(found.len() <= 38 && found.is_sorted_by(|a, b| a.cost <= b.cost));
             let best = found[0].transform;
             let off = ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, ..)| {
                 m.max(best.point(truth.inverse().point(*p)).distance(*p))

@@ -15,6 +15,7 @@ pub mod levels;
 pub mod project;
 pub mod rank;
 pub mod repair;
+pub mod resemblance;
 #[cfg(test)]
 mod tests;
 pub mod view;

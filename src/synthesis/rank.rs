@@ -4,7 +4,7 @@
 //! from its fit (how well it predicts), and on the ring as seen from the vertex (what is left after
 //! the fit and how far the normals disagree, near points first):
 //!
-//!   U(i)² = Σ_p w (e² + (2 h)² (1 − n·m) + h² |Δc|²) / Σ_p w,   w = mass · (|p − i|² + (0.08 R)²)^−1.5
+//!   U(i)² = Σ_p w (e² + (2 h)² (1 − n·m) + (h/2)² |Δc|²) / Σ_p w,   w = mass · (|p − i|² + (0.08 R)²)^−1.5
 
 use super::domain::Domain;
 use super::fit::Fitted;
