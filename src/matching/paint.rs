@@ -54,7 +54,9 @@ impl Paint {
             }
         }
         let spread = covariance.trace().sqrt();
-        if !(spread.is_finite() && spread > 0.0) {
+        // Less than this is rounding: one colour.
+        let greatest = of_mesh.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        if !(spread.is_finite() && spread > 1e-9 * greatest) {
             return None;
         }
         let axes = covariance.symmetric_eigen();

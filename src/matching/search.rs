@@ -73,6 +73,10 @@ pub struct Maps {
     maps: Vec<OnceLock<Option<HeightMap>>>,
 }
 
+/// How much more the tint counts in the comparison of maps, where the bins' own error in height hides
+/// a small difference: else the right place is not among those that are aligned.
+const COARSE: f64 = 4.0;
+
 /// The ratio of one scale to the next: holes whose radii differ by less share their maps.
 const SCALE_STEP: f64 = 1.08;
 /// Spacing of the thinned source, in hole radii: two points a bin of the height maps.
@@ -115,7 +119,7 @@ impl Maps {
         let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0, 0.0);
         let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing);
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
-        Self { radius, cloud, known, mirrored, paint: worth(source), centres, maps }
+        Self { radius, cloud, known, mirrored, paint: COARSE * worth(source), centres, maps }
     }
 
     /// The map around a centre; `None` where the surface has no side to be seen from.
