@@ -51,7 +51,9 @@ pub use complete::{complete_mesh, complete_mesh_with, Completer};
 pub use error::{Error, Problem, Result};
 pub use holes::{find_holes, BoundaryLoop, Hole, HoleKind, HoleList};
 pub use mesh::{FaceView, MeshView, VertexView};
-pub use options::{Appearance, Exemplar, Fairing, Grouping, Method, Options, Selection, Sizing, Sources};
+pub use options::{
+    Appearance, Exemplar, Fairing, Grouping, Method, Options, Selection, Sizing, Sources,
+};
 pub use progress::Monitor;
 pub use result::{Completion, HoleReport, HoleStatus, Origin, Seam, SourceReport};
 

@@ -14,11 +14,11 @@ use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::fill::refine::refine;
 use crate::matching::cloud::Cloud;
+use crate::matching::icp::RingPoint;
+use crate::matching::paint::Paint;
 use crate::matching::search::{
     cloud_at, cloud_scale, find_candidates, radius_at, scale_of, Maps, Target,
 };
-use crate::matching::icp::RingPoint;
-use crate::matching::paint::Paint;
 use crate::matching::source::Source;
 use crate::mesh::MeshView;
 use crate::options::{Appearance, Sizing, Sources};

@@ -96,7 +96,13 @@ impl Cloud {
             roughness.push(members().map(|m| m.2).sum::<f64>() / count);
             tints.push(members().map(|m| m.3).sum::<f64>() / count);
         }
-        Self { tree: PointTree::of_all(&means), points: means, normals, roughness, tints: Some(tints) }
+        Self {
+            tree: PointTree::of_all(&means),
+            points: means,
+            normals,
+            roughness,
+            tints: Some(tints),
+        }
     }
 }
 

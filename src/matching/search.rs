@@ -73,10 +73,6 @@ pub struct Maps {
     maps: Vec<OnceLock<Option<HeightMap>>>,
 }
 
-/// How much more the tint counts in the comparison of maps, where the bins' own error in height hides
-/// a small difference: else the right place is not among those that are aligned.
-const COARSE: f64 = 4.0;
-
 /// The ratio of one scale to the next: holes whose radii differ by less share their maps.
 const SCALE_STEP: f64 = 1.08;
 /// Spacing of the thinned source, in hole radii: two points a bin of the height maps.
@@ -119,7 +115,7 @@ impl Maps {
         let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0, 0.0);
         let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing);
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
-        Self { radius, cloud, known, mirrored, paint: COARSE * worth(source), centres, maps }
+        Self { radius, cloud, known, mirrored, paint: worth(source), centres, maps }
     }
 
     /// The map around a centre; `None` where the surface has no side to be seen from.
@@ -236,8 +232,7 @@ fn search_maps(
             let frame = Frame::new(target.centre, target.normal);
             let around = maps.known.tree.within(target.centre, 1.5 * reach);
             let known = HeightMap::new(&maps.known, &around, frame, reach);
-            let ring =
-                |w: &f64| {
+            let ring = |w: &f64| {
                 let width = (1.0 + w) * target.radius;
                 RingPattern::new(&known, target.fill, reach, width, maps.paint)
             };
@@ -404,9 +399,10 @@ mod tests {
             let found = run(1);
             assert!(found.len() <= 38 && found.is_sorted_by(|a, b| a.cost <= b.cost));
             let best = found[0].transform;
-            let off = ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, ..)| {
-                m.max(best.point(truth.inverse().point(*p)).distance(*p))
-            });
+            let off =
+                ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, ..)| {
+                    m.max(best.point(truth.inverse().point(*p)).distance(*p))
+                });
             println!("mirrored {mirrored}: {:.4} edges", off / source.edge);
             assert_eq!(best.is_mirrored(), mirrored);
             assert!(off < 0.05 * source.edge, "{off}");

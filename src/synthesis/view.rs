@@ -1,12 +1,12 @@
 //! What one window sees: copies projected, fitted, ranked, agreed on, and one chosen at each vertex.
 
+use super::domain::Domain;
 use super::fit::{fit, Fitted};
 use super::labels::Energy;
 use super::project::{project, Copy, Place};
 use super::rank::{score, weights};
 use super::window::Window;
 use crate::error::Result;
-use super::domain::Domain;
 use crate::matching::paint::{squared_difference, EDGES};
 use crate::matching::rigid::Rigid;
 use crate::matching::source::Source;

@@ -258,7 +258,8 @@ impl Job<'_> {
         let Some(columns) = normal_columns(properties) else { return Ok(Vec::new()) };
         let rows = self.known_rows(element)?;
         let width = self.layout.header.elements[element].properties.len();
-        let rim: Vec<_> = self.patch.rim_of(&rows, width).map(|row| columns.map(|c| row[c])).collect();
+        let rim: Vec<_> =
+            self.patch.rim_of(&rows, width).map(|row| columns.map(|c| row[c])).collect();
         Ok(self.patch.normals(self.mesh.positions.view(self.bytes), &rim))
     }
 
