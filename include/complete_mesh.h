@@ -302,6 +302,17 @@ typedef struct complete_mesh_options {
   uint32_t exemplar_only;
   // 1: copy nothing mirrored. Default: 0.
   uint32_t unmirrored;
+  // An initial completion to start from instead of a smooth one, numbered as results are: its new
+  // vertices, three numbers each, of vertex_type, packed. A hole that it does not fill fails. Yours.
+  // Default: NULL.
+  const void *initial_vertices;
+  // How many vertices it has, those of the mesh not counted. Default: 0.
+  size_t initial_vertex_count;
+  // Its faces, three 32-bit vertex indices each, packed, those of the mesh not among them; new
+  // vertices are numbered from the mesh's vertex count on. Yours. Default: NULL.
+  const uint32_t *initial_faces;
+  // How many faces it has; 0: no initial completion. Default: 0.
+  size_t initial_face_count;
   // What the vertices carry besides their place, colours or any numbers, to be completed with the
   // shape: value_channels numbers a vertex, finite, packed, vertex_stride does not apply. Yours;
   // NULL: nothing. Read back with complete_mesh_result_new_vertex_values. Default: NULL.

@@ -229,6 +229,33 @@ impl Sources {
     }
 }
 
+/// An initial completion made elsewhere, numbered as a [`crate::Completion`] is: new vertices follow
+/// the mesh's.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Initial {
+    /// Positions of the new vertices, in mesh units.
+    pub vertices: Vec<[f64; 3]>,
+    /// The new faces, counter-clockwise seen from outside.
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl Initial {
+    /// Checks the lists against a mesh of so many vertices.
+    pub(crate) fn check(&self, mesh_vertices: usize) -> Result<()> {
+        let bad = |reason: String| Err(Error::InvalidOption { name: "initial", reason });
+        let finite = |v: &[f64; 3]| v.iter().all(|x| x.is_finite());
+        if let Some(v) = self.vertices.iter().position(|v| !finite(v)) {
+            return bad(format!("the new vertex {v} is not finite"));
+        }
+        let count = mesh_vertices + self.vertices.len();
+        let inside = |f: &[u32; 3]| f.iter().all(|&v| (v as usize) < count);
+        match self.faces.iter().position(|f| !inside(f)) {
+            Some(f) => bad(format!("the new face {f} names a vertex that does not exist")),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Options of [`crate::complete_mesh`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
@@ -242,6 +269,9 @@ pub struct Options {
     pub fairing: Fairing,
     /// The size of the new triangles.
     pub sizing: Sizing,
+    /// What holes are filled with to start from; `None`: a smooth completion is made. A hole that it
+    /// does not fill, as the contract asks, fails. With `Method::Smooth` it is the result.
+    pub initial: Option<Arc<Initial>>,
     /// What may be copied from. Only `Method::Coherent` can be told.
     pub sources: Sources,
     /// What the vertices carry; its first channels help `Method::Coherent` to find the sources.

@@ -282,6 +282,26 @@ class Progress {
   std::function<Next(double, const char*)> function_;
 };
 
+// Triangles of one's own: an exemplar, an initial completion. The library gets the coordinates as the
+// mesh has them: rounded for a mesh of floats.
+struct Surface {
+  std::vector<std::array<double, 3>> vertices = {};
+  std::vector<std::array<std::uint32_t, 3>> faces = {};
+};
+
+// A copy of ranges of three numbers each, such as those of view() or of a Result.
+template <class Vertices, class Faces>
+Surface surface(const Vertices& vertices, const Faces& faces) {
+  Surface copy;
+  for (const auto& p : vertices)
+    copy.vertices.push_back(
+        {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+  for (const auto& f : faces)
+    copy.faces.push_back({static_cast<std::uint32_t>(f[0]), static_cast<std::uint32_t>(f[1]),
+                          static_cast<std::uint32_t>(f[2])});
+  return copy;
+}
+
 // The options of every call; see complete_mesh_options. The number type and the strides come with
 // the MeshView.
 struct Options {
@@ -301,6 +321,15 @@ struct Options {
   std::uint32_t threads = 0;
   Output output = Output::whole_mesh;
   Progress progress = {};
+  // A flag for each face of the mesh, 0 where it may not be copied from; empty: all may.
+  std::vector<std::uint8_t> source_faces = {};
+  // Another mesh to copy from; no faces: none.
+  Surface exemplar = {};
+  bool exemplar_only = false;
+  bool unmirrored = false;
+  // New vertices and faces to start from, numbered as a result's are; no faces: none. What a result
+  // has added: surface(result.new_vertices(), result.new_faces()).
+  Surface initial = {};
 };
 
 // ---- failures ---------------------------------------------------------------------------------
@@ -511,7 +540,8 @@ class Result {
   View<std::uint32_t> new_face_holes() const {
     return {complete_mesh_result_new_face_holes(get()), new_face_count()};
   }
-  // mesh_completion::none where there is no source.
+  // mesh_completion::none where there is no source; from the input's face count on: faces of the
+  // exemplar.
   View<std::uint32_t> new_vertex_source_faces() const {
     return {complete_mesh_result_new_vertex_source_faces(get()), new_count()};
   }
@@ -548,12 +578,44 @@ namespace detail {
 // The options as the C ABI wants them, and what must live while a call lasts.
 class Call {
  public:
-  Call(const Options& options, bool is_double, std::size_t vertex_stride, std::size_t face_stride)
-      : progress_(options.progress) {
+  template <class Scalar>
+  Call(const Options& options, const MeshView<Scalar>& mesh) : progress_(options.progress) {
     complete_mesh_options_init(&c_, sizeof c_);
-    c_.vertex_type = is_double ? COMPLETE_MESH_VERTEX_TYPE_F64 : COMPLETE_MESH_VERTEX_TYPE_F32;
-    c_.vertex_stride = vertex_stride;
-    c_.face_stride = face_stride;
+    c_.vertex_type = std::is_same_v<Scalar, double> ? COMPLETE_MESH_VERTEX_TYPE_F64
+                                                    : COMPLETE_MESH_VERTEX_TYPE_F32;
+    c_.vertex_stride = mesh.vertex_stride;
+    c_.face_stride = mesh.face_stride;
+    set(options);
+    set_sources<Scalar>(options, mesh.face_count);
+    if (progress_) {
+      c_.progress = &Call::report;
+      c_.progress_user = this;
+    }
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  // What the C call could not see: it trusts source_faces to be as long as the mesh's faces.
+  const std::optional<Failure>& refused() const { return refused_; }
+  const complete_mesh_options* options() const { return &c_; }
+
+  // Of the call that has just failed on this thread.
+  Failure failure(complete_mesh_status status) const {
+    Failure failure;
+    failure.status = static_cast<Status>(status);
+    failure.message = complete_mesh_last_error_message();
+    failure.vertices = named(COMPLETE_MESH_ELEMENT_KIND_VERTEX);
+    failure.faces = named(COMPLETE_MESH_ELEMENT_KIND_FACE);
+    failure.holes = named(COMPLETE_MESH_ELEMENT_KIND_HOLE);
+    std::size_t n = 0;
+    const std::uint32_t* p = complete_mesh_last_error_elements(COMPLETE_MESH_ELEMENT_KIND_EDGE, &n);
+    for (std::size_t i = 0; i < n; ++i) failure.edges.push_back({p[2 * i], p[2 * i + 1]});
+    failure.thrown = thrown_;
+    return failure;
+  }
+
+ private:
+  void set(const Options& options) {
     c_.method = static_cast<std::uint32_t>(options.method);
     c_.fairing = static_cast<std::uint32_t>(options.fairing);
     c_.sizing = static_cast<std::uint32_t>(options.sizing);
@@ -575,35 +637,44 @@ class Call {
     c_.skip_unsafe = options.skip_unsafe ? 1 : 0;
     c_.threads = options.threads;
     c_.output = static_cast<std::uint32_t>(options.output);
-    if (progress_) {
-      c_.progress = &Call::report;
-      c_.progress_user = this;
-    }
   }
   template <class Scalar>
-  Call(const Options& options, const MeshView<Scalar>& mesh)
-      : Call(options, std::is_same_v<Scalar, double>, mesh.vertex_stride, mesh.face_stride) {}
-  Call(const Call&) = delete;
-  Call& operator=(const Call&) = delete;
-
-  const complete_mesh_options* options() const { return &c_; }
-
-  // Of the call that has just failed on this thread.
-  Failure failure(complete_mesh_status status) const {
-    Failure failure;
-    failure.status = static_cast<Status>(status);
-    failure.message = complete_mesh_last_error_message();
-    failure.vertices = named(COMPLETE_MESH_ELEMENT_KIND_VERTEX);
-    failure.faces = named(COMPLETE_MESH_ELEMENT_KIND_FACE);
-    failure.holes = named(COMPLETE_MESH_ELEMENT_KIND_HOLE);
-    std::size_t n = 0;
-    const std::uint32_t* p = complete_mesh_last_error_elements(COMPLETE_MESH_ELEMENT_KIND_EDGE, &n);
-    for (std::size_t i = 0; i < n; ++i) failure.edges.push_back({p[2 * i], p[2 * i + 1]});
-    failure.thrown = thrown_;
-    return failure;
+  void set_sources(const Options& options, std::size_t face_count) {
+    const auto& flags = options.source_faces;
+    if (!flags.empty() && flags.size() != face_count) {
+      refused_.emplace();
+      refused_->status = Status::invalid_argument;
+      refused_->message = "source_faces has " + std::to_string(flags.size()) + " flags, but the mesh has " +
+                          std::to_string(face_count) + " faces";
+      return;
+    }
+    c_.source_faces = flags.empty() ? nullptr : flags.data();
+    c_.exemplar_vertices = numbers<Scalar>(options.exemplar, exemplar_);
+    c_.exemplar_vertex_count = options.exemplar.vertices.size();
+    c_.exemplar_faces = corners(options.exemplar);
+    c_.exemplar_face_count = options.exemplar.faces.size();
+    c_.exemplar_only = options.exemplar_only ? 1 : 0;
+    c_.unmirrored = options.unmirrored ? 1 : 0;
+    c_.initial_vertices = numbers<Scalar>(options.initial, initial_);
+    c_.initial_vertex_count = options.initial.vertices.size();
+    c_.initial_faces = corners(options.initial);
+    c_.initial_face_count = options.initial.faces.size();
   }
-
- private:
+  // The coordinates as the mesh has them; `rounded` keeps those that are not as they were given.
+  template <class Scalar>
+  static const void* numbers(const Surface& from, std::vector<float>& rounded) {
+    if (from.vertices.empty()) return nullptr;
+    if constexpr (std::is_same_v<Scalar, double>) {
+      return from.vertices.data();
+    } else {
+      for (const auto& p : from.vertices)
+        for (const double x : p) rounded.push_back(static_cast<float>(x));
+      return rounded.data();
+    }
+  }
+  static const std::uint32_t* corners(const Surface& from) {
+    return from.faces.empty() ? nullptr : from.faces[0].data();
+  }
   static std::vector<std::uint32_t> named(std::uint32_t kind) {
     std::size_t n = 0;
     const std::uint32_t* p = complete_mesh_last_error_elements(kind, &n);
@@ -629,6 +700,8 @@ class Call {
   const Progress& progress_;
   std::vector<std::uint32_t> join_vertices_;
   std::vector<std::uint32_t> join_sizes_;
+  std::vector<float> exemplar_, initial_;
+  std::optional<Failure> refused_;
   std::exception_ptr thrown_;
 };
 
@@ -638,6 +711,7 @@ class Call {
 template <class Scalar>
 Outcome<Result<Scalar>> try_complete(const MeshView<Scalar>& mesh, const Options& options = {}) {
   detail::Call call(options, mesh);
+  if (call.refused()) return *call.refused();
   complete_mesh_result* result = nullptr;
   const complete_mesh_status status = ::complete_mesh(mesh.vertices, mesh.vertex_count, mesh.faces,
                                                       mesh.face_count, call.options(), &result);
@@ -649,6 +723,7 @@ Outcome<Result<Scalar>> try_complete(const MeshView<Scalar>& mesh, const Options
 template <class Scalar>
 Outcome<Holes> try_list_holes(const MeshView<Scalar>& mesh, const Options& options = {}) {
   detail::Call call(options, mesh);
+  if (call.refused()) return *call.refused();
   complete_mesh_holes* holes = nullptr;
   const complete_mesh_status status = complete_mesh_find_holes(
       mesh.vertices, mesh.vertex_count, mesh.faces, mesh.face_count, call.options(), &holes);
@@ -670,17 +745,21 @@ class Completer {
 #endif
   static Outcome<Completer> make(const MeshView<Scalar>& mesh, const Options& options = {}) {
     detail::Call call(options, mesh);
+    if (call.refused()) return *call.refused();
     complete_mesh_completer* completer = nullptr;
     const complete_mesh_status status =
         complete_mesh_completer_new(mesh.vertices, mesh.vertex_count, mesh.faces, mesh.face_count,
                                     call.options(), &completer);
     if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
-    return Completer(completer);
+    return Completer(completer, mesh.face_count);
   }
 
   // options.grouping and join_vertices were settled by the constructor and are not used.
   Outcome<Result<Scalar>> try_complete(const Options& options = {}) const {
-    detail::Call call(options, MeshView<Scalar>{});
+    MeshView<Scalar> mesh;
+    mesh.face_count = face_count_;
+    detail::Call call(options, mesh);
+    if (call.refused()) return *call.refused();
     complete_mesh_result* result = nullptr;
     const complete_mesh_status status =
         complete_mesh_completer_complete(get(), call.options(), &result);
@@ -694,10 +773,11 @@ class Completer {
   const complete_mesh_completer* get() const { return completer_.get(); }
 
  private:
-  explicit Completer(complete_mesh_completer* completer)
-      : completer_(completer, complete_mesh_completer_free) {}
+  Completer(complete_mesh_completer* completer, std::size_t face_count)
+      : completer_(completer, complete_mesh_completer_free), face_count_(face_count) {}
 
   std::shared_ptr<complete_mesh_completer> completer_;
+  std::size_t face_count_;
 };
 
 #if COMPLETE_MESH_HPP_EXCEPTIONS

@@ -58,8 +58,8 @@ class Carrier {
     return rows;
   }
 
-  // The same; a vertex that was copied from somewhere has the value of that place. corners(f) are
-  // the vertices of input face f.
+  // The same; a vertex that was copied from somewhere on the mesh has the value of that place.
+  // corners(f) are the vertices of input face f.
   template <std::size_t N, class Scalar, class Get, class Corners>
   std::vector<std::array<double, N>> from_source(const Result<Scalar>& result, const Get& get,
                                                  const Corners& corners) const {
@@ -67,7 +67,8 @@ class Carrier {
     const auto faces = result.new_vertex_source_faces();
     const auto weights = result.new_vertex_barycentrics();
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (faces[i] == none) continue;
+      // The exemplar's faces are numbered from there on; none is beyond, too.
+      if (faces[i] >= result.input_face_count()) continue;
       const std::array<std::uint32_t, 3> at = corners(faces[i]);
       rows[i] = {};
       for (std::size_t k = 0; k < 3; ++k) {

@@ -41,11 +41,12 @@ struct Extras {
 
 // Where a new vertex comes from; no face and no hole for the mesh's own vertices.
 struct Origin {
-  FaceHandle face = FaceHandle();  // invalid without a source
+  FaceHandle face = FaceHandle();  // invalid without a source on the mesh
   std::array<double, 3> barycentric = {0, 0, 0};
   std::uint32_t source = none;
   std::uint32_t hole = none;
   double confidence = 0;
+  std::uint32_t exemplar_face = none;  // instead of face, if it was copied from the exemplar
 };
 inline constexpr const char* origin_property = "complete_mesh:origin";
 
@@ -61,7 +62,7 @@ class Input {
   using Scalar = ScalarOf<Mesh>;
   static_assert(OpenMesh::vector_traits<typename Mesh::Point>::size_ == 3, "points have 3 numbers");
 
-  explicit Input(const Mesh& mesh) {
+  explicit Input(const Mesh& mesh) : all_faces_(mesh.n_faces()) {
     const auto deleted = [&mesh](auto handle, bool has) { return has && mesh.status(handle).deleted(); };
     for (const auto v : mesh.all_vertices())
       if (!deleted(v, mesh.has_vertex_status())) vertex_of_.push_back(v);
@@ -89,12 +90,15 @@ class Input {
   const std::vector<VertexHandle>& vertex_of() const { return vertex_of_; }
   const std::vector<FaceHandle>& face_of() const { return face_of_; }
 
-  // Options whose vertices are indices of the mesh's handles; a failure if one does not exist.
+  // Options whose elements are indices of the mesh's handles; a failure if one does not exist.
   std::optional<Failure> translate(Options& options) const {
     if (options.selection == Selection::near_vertices)
       if (auto failure = translate(options.selection_ids)) return failure;
     for (auto& list : options.join_vertices)
       if (auto failure = translate(list)) return failure;
+    if (auto failure = translate_flags(options.source_faces)) return failure;
+    for (auto& face : options.initial.faces)
+      if (auto failure = translate_initial(face)) return failure;
     return {};
   }
   // A failure's elements as indices of the mesh's handles.
@@ -115,15 +119,39 @@ class Input {
       corners[k++] = index_of_[static_cast<std::size_t>(v->idx())];
     return corners;
   }
+  static Failure wrong_argument(std::string message) {
+    Failure failure;
+    failure.status = Status::invalid_argument;
+    failure.message = std::move(message);
+    return failure;
+  }
+  std::optional<Failure> translate(std::uint32_t& vertex) const {
+    if (vertex >= index_of_.size() || index_of_[vertex] == none)
+      return wrong_argument("vertex " + std::to_string(vertex) +
+                            " of the options does not exist or is deleted");
+    vertex = index_of_[vertex];
+    return {};
+  }
   std::optional<Failure> translate(std::vector<std::uint32_t>& vertices) const {
-    for (std::uint32_t& v : vertices) {
-      if (v >= index_of_.size() || index_of_[v] == none) {
-        Failure failure;
-        failure.status = Status::invalid_argument;
-        failure.message = "vertex " + std::to_string(v) + " of the options does not exist or is deleted";
-        return failure;
-      }
-      v = index_of_[v];
+    for (std::uint32_t& v : vertices)
+      if (auto failure = translate(v)) return failure;
+    return {};
+  }
+  std::optional<Failure> translate_flags(std::vector<std::uint8_t>& flags) const {
+    if (flags.empty()) return {};
+    if (flags.size() != all_faces_)
+      return wrong_argument("source_faces has " + std::to_string(flags.size()) +
+                            " flags, but the mesh has " + std::to_string(all_faces_) + " face handles");
+    std::vector<std::uint8_t> live;
+    for (const FaceHandle f : face_of_) live.push_back(flags[static_cast<std::size_t>(f.idx())]);
+    flags = std::move(live);
+    return {};
+  }
+  // New vertices are numbered from the handles' count on: here from that of the live ones.
+  std::optional<Failure> translate_initial(std::array<std::uint32_t, 3>& face) const {
+    for (std::uint32_t& v : face) {
+      if (v >= index_of_.size()) v -= static_cast<std::uint32_t>(index_of_.size() - vertex_of_.size());
+      else if (auto failure = translate(v)) return failure;
     }
     return {};
   }
@@ -132,6 +160,7 @@ class Input {
   std::vector<VertexHandle> vertex_of_;
   std::vector<FaceHandle> face_of_;
   std::vector<std::uint32_t> index_of_;
+  std::size_t all_faces_;
   std::vector<std::array<std::uint32_t, 3>> faces_;
   std::vector<typename Mesh::Point> points_;
 };
@@ -306,7 +335,9 @@ void set_origins(Mesh& mesh, Fill<Mesh>& fill) {
   for (std::size_t i = 0; i < fill.vertices.size(); ++i) {
     Origin origin;
     const std::uint32_t face = result.new_vertex_source_faces()[i];
-    if (face != none) origin.face = fill.face(face);
+    const auto input = static_cast<std::uint32_t>(result.input_face_count());
+    if (face < input) origin.face = fill.face(face);
+    else if (face != none) origin.exemplar_face = face - input;
     origin.barycentric = result.new_vertex_barycentrics()[i];
     origin.source = result.new_vertex_sources()[i];
     origin.hole = result.new_vertex_holes()[i];
@@ -317,8 +348,8 @@ void set_origins(Mesh& mesh, Fill<Mesh>& fill) {
 
 }  // namespace detail
 
-// Fills the holes of a mesh. Vertices in the options are indices of handles, and so are the elements
-// of a failure. options.output is not used.
+// Fills the holes of a mesh. Vertices in the options are indices of handles, source_faces has a flag for
+// each face handle, and the elements of a failure are indices of handles, too. options.output is not used.
 template <class Mesh>
 Outcome<Fill<Mesh>> try_complete(Mesh& mesh, Options options = {}, const Extras& extras = {}) {
   if (extras.collect_garbage) mesh.garbage_collection();

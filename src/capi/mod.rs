@@ -6,6 +6,7 @@
 // Their contracts are spelled out parameter by parameter, in C's terms.
 #![allow(clippy::missing_safety_doc)]
 
+mod arrays;
 mod completer;
 mod error;
 mod guard;

@@ -1,9 +1,10 @@
 //! The options struct of the C ABI, and how it is read: nothing unknown is ignored.
 
+use super::arrays::{array, corners, points};
 use super::error::{Failure, Status};
 use super::guard::guard;
 use crate::options::{
-    Appearance, Exemplar, Fairing, Grouping, Method, Options, Selection, Sizing, Sources,
+    Appearance, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
 };
 use std::ffi::{c_char, c_int, c_void};
 use std::sync::Arc;
@@ -197,6 +198,17 @@ pub struct COptions {
     pub exemplar_only: u32,
     /// 1: copy nothing mirrored. Default: 0.
     pub unmirrored: u32,
+    /// An initial completion to start from instead of a smooth one, numbered as results are: its new
+    /// vertices, three numbers each, of vertex_type, packed. A hole that it does not fill fails. Yours.
+    /// Default: NULL.
+    pub initial_vertices: *const c_void,
+    /// How many vertices it has, those of the mesh not counted. Default: 0.
+    pub initial_vertex_count: usize,
+    /// Its faces, three 32-bit vertex indices each, packed, those of the mesh not among them; new
+    /// vertices are numbered from the mesh's vertex count on. Yours. Default: NULL.
+    pub initial_faces: *const u32,
+    /// How many faces it has; 0: no initial completion. Default: 0.
+    pub initial_face_count: usize,
     /// What the vertices carry besides their place, colours or any numbers, to be completed with the
     /// shape: value_channels numbers a vertex, finite, packed, vertex_stride does not apply. Yours;
     /// NULL: nothing. Read back with complete_mesh_result_new_vertex_values. Default: NULL.
@@ -252,6 +264,10 @@ impl COptions {
             exemplar_face_count: 0,
             exemplar_only: 0,
             unmirrored: 0,
+            initial_vertices: std::ptr::null(),
+            initial_vertex_count: 0,
+            initial_faces: std::ptr::null(),
+            initial_face_count: 0,
             vertex_values: std::ptr::null(),
             exemplar_values: std::ptr::null(),
             value_channels: 0,
@@ -357,6 +373,8 @@ impl COptions {
             selection: unsafe { self.selection() }?,
             skip_unsafe: flag("skip_unsafe", self.skip_unsafe)?,
             // SAFETY: as above.
+            initial: unsafe { self.initial() }?,
+            // SAFETY: as above.
             sources: unsafe { self.sources(face_count) }?,
             threads: self.threads as usize,
         })
@@ -371,28 +389,15 @@ impl COptions {
                 Some(bytes.iter().map(|&b| b != 0).collect())
             }
         };
-        let (vertices, count) = (self.exemplar_vertices, self.exemplar_vertex_count);
         let exemplar = match self.exemplar_face_count {
             0 => None,
             triangles => {
-                let numbers = count.saturating_mul(3);
+                let (vertices, count) = (self.exemplar_vertices, self.exemplar_vertex_count);
                 // SAFETY: the caller of `checked` answers for the arrays.
-                let vertices = match self.single()? {
-                    true => unsafe { array::<f32>("exemplar_vertices", vertices.cast(), numbers) }?
-                        .chunks_exact(3)
-                        .map(|p| [p[0], p[1], p[2]].map(f64::from))
-                        .collect(),
-                    false => {
-                        unsafe { array::<f64>("exemplar_vertices", vertices.cast(), numbers) }?
-                            .chunks_exact(3)
-                            .map(|p| [p[0], p[1], p[2]])
-                            .collect()
-                    }
-                };
-                let corners = triangles.saturating_mul(3);
+                let vertices =
+                    unsafe { points("exemplar_vertices", vertices, count, self.single()?) }?;
                 // SAFETY: as above.
-                let corners = unsafe { array("exemplar_faces", self.exemplar_faces, corners) }?;
-                let faces = corners.chunks_exact(3).map(|f| [f[0], f[1], f[2]]).collect();
+                let faces = unsafe { corners("exemplar_faces", self.exemplar_faces, triangles) }?;
                 Some(Arc::new(Exemplar { vertices, faces }))
             }
         };
@@ -402,6 +407,19 @@ impl COptions {
             exemplar_only: flag("exemplar_only", self.exemplar_only)?,
             unmirrored: flag("unmirrored", self.unmirrored)?,
         })
+    }
+
+    unsafe fn initial(&self) -> Result<Option<Arc<Initial>>, Failure> {
+        if self.initial_face_count == 0 {
+            return Ok(None);
+        }
+        let (vertices, count) = (self.initial_vertices, self.initial_vertex_count);
+        // SAFETY: the caller of `checked` answers for the arrays.
+        let vertices = unsafe { points("initial_vertices", vertices, count, self.single()?) }?;
+        let triangles = self.initial_face_count;
+        // SAFETY: as above.
+        let faces = unsafe { corners("initial_faces", self.initial_faces, triangles) }?;
+        Ok(Some(Arc::new(Initial { vertices, faces })))
     }
 
     unsafe fn appearance(&self, vertices: usize) -> Result<Option<Arc<Appearance>>, Failure> {
@@ -479,35 +497,6 @@ fn flag(field: &str, value: u32) -> Result<bool, Failure> {
             Err(Failure::argument(format!("option {field} is {other}: only 0 and 1 are allowed")))
         }
     }
-}
-
-/// A copy of a caller's array of numbers, which need not be aligned.
-unsafe fn array<T: Copy>(name: &str, data: *const T, count: usize) -> Result<Vec<T>, Failure> {
-    if count == 0 {
-        return Ok(Vec::new());
-    }
-    if data.is_null() {
-        return Err(Failure::argument(format!(
-            "{name} is NULL, but {count} numbers are asked of it"
-        )));
-    }
-    // Everything is numbered with 32 bits, in threes at most: a longer list is garbage.
-    if count > 3 * u32::MAX as usize || count > isize::MAX as usize / size_of::<T>() {
-        return Err(Failure::argument(format!("{name} cannot have {count} numbers")));
-    }
-    let mut copy: Vec<T> = Vec::new();
-    copy.try_reserve_exact(count)
-        .map_err(|_| Failure::new(Status::OutOfMemory, format!("no memory for {name}")))?;
-    // SAFETY: the caller answers for `count` readable numbers; as many are reserved.
-    unsafe {
-        std::ptr::copy_nonoverlapping(
-            data.cast::<u8>(),
-            copy.as_mut_ptr().cast(),
-            count * size_of::<T>(),
-        );
-        copy.set_len(count);
-    }
-    Ok(copy)
 }
 
 /// Whether a caller's struct may have this size. Every field is 4 or 8 bytes wide and the narrow

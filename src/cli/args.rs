@@ -70,6 +70,9 @@ pub(super) struct FillArgs {
     pub grouping: GroupingArgs,
     #[command(flatten)]
     pub sizing: SizingArgs,
+    /// Start from this completion of the same mesh, not from a smooth one
+    #[arg(long, value_name = "FILE")]
+    pub initial: Option<PathBuf>,
     #[command(flatten)]
     pub sources: SourceArgs,
     /// Leave holes open that cannot be filled safely, instead of writing nothing
@@ -210,6 +213,7 @@ impl FillArgs {
             fairing: self.fairing,
             sizing: self.sizing.sizing(),
             skip_unsafe: self.skip_unsafe,
+            initial: None,
             sources: Sources::default(),
             threads: self.threads,
         };

@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::holes::HoleList;
 use crate::io::{Document, Extras, Format, IoError};
 use crate::mesh::MeshView;
-use crate::options::{Appearance, Options};
+use crate::options::{Appearance, Initial, Options};
 use crate::picture::{before_and_after, with_sources, Image, Shape};
 use crate::progress::Monitor;
 use crate::result::{Completion, HoleStatus};
@@ -36,6 +36,9 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     let exemplar = args.sources.exemplar()?;
     options.sources = args.sources.sources(&document, exemplar.as_ref());
     options.appearance = appearance(&document, exemplar.as_ref());
+    if let Some(path) = &args.initial {
+        options.initial = Some(Arc::new(initial(path, &document)?));
+    }
     let (holes, completion) = complete(&document, &options, console)?;
     let extras = Extras { provenance: args.provenance };
     document.append_with(&completion, &extras, exemplar.as_ref())?;
@@ -73,11 +76,34 @@ fn appearance(document: &Document, exemplar: Option<&Document>) -> Option<Arc<Ap
     Some(Arc::new(Appearance { channels: 3, steering: 3, values, exemplar_values }))
 }
 
+/// What another file adds to the mesh that was read.
+fn initial(path: &Path, document: &Document) -> Result<Initial, Failure> {
+    let other = Document::read(path)?;
+    let (vertices, faces) = (other.vertices(), other.faces());
+    let (count, first) = (document.vertices().len(), document.faces().len());
+    let same = vertices.len() >= count
+        && faces.len() >= first
+        && (0..count).all(|v| vertices.get(v) == document.vertices().get(v))
+        && (0..first).all(|f| faces.get(f) == document.faces().get(f));
+    if !same {
+        return Err(Failure::Usage(format!(
+            "{} does not begin with the vertices and faces of the input: --initial takes a completed \
+             mesh, input first",
+            path.display()
+        )));
+    }
+    Ok(Initial {
+        vertices: (count..vertices.len()).map(|v| vertices.get(v)).collect(),
+        faces: (first..faces.len()).map(|f| faces.get(f)).collect(),
+    })
+}
+
 /// No file may be written twice, and only the mesh may take the input's place.
 fn check_paths(args: &FillArgs) -> Result<(), Failure> {
     let mut named = vec![("IN", &args.input), ("OUT", &args.output)];
     named.extend(args.report.as_ref().map(|p| ("--report", p)));
     named.extend(args.picture.as_ref().map(|p| ("--picture", p)));
+    named.extend(args.initial.as_ref().map(|p| ("--initial", p)));
     named.extend(args.sources.exemplar.as_ref().map(|p| ("--exemplar", p)));
     for (i, (a, path)) in named.iter().enumerate() {
         for (b, other) in &named[i + 1..] {

@@ -58,17 +58,18 @@ impl Library {
         boundary: &[u32],
         sources: &Sources,
         appearance: Option<&Appearance>,
-    ) -> Self {
+    ) -> Result<Self> {
         let rims = || boundary.iter().copied();
-        let chosen = sources.faces.is_some() || sources.exemplar.is_some();
+        let of_part = sources.faces.is_some() || sources.exemplar.is_some();
         let paint = appearance.and_then(Paint::new);
-        Self {
+        let chosen = of_part.then(|| Source::chosen(mesh, rims(), sources)).transpose()?;
+        Ok(Self {
             known: Source::new(mesh, rims()).painted(&paint),
-            chosen: chosen.then(|| Source::chosen(mesh, rims(), sources).painted(&paint)),
+            chosen: chosen.map(|s| s.painted(&paint)),
             mirrored: !sources.unmirrored,
             maps: Mutex::default(),
             clouds: Default::default(),
-        }
+        })
     }
 
     /// What may be copied from.
@@ -125,36 +126,27 @@ pub fn complete_hole(
     };
     let whole = [whole];
     let views = scope.look_through(&whole)?;
-    let Some((mut patch, story)) = finish(&fill.patch, library.source(), &domain, &views) else {
+    let Some((patch, story)) = finish(&fill.patch, library.source(), &domain, &views) else {
         return Ok(None);
     };
-    let source = library.source();
     if views[0].doubt > 0.0 {
         return Ok(Some((patch, story)));
     }
     // Again on the surface found: triangles where it is steep, lines that meet it at right angles.
-    let stop = || check(0.8);
-    let first = (patch.clone(), story);
+    let mut finer = patch.clone();
     if around.sizing == Sizing::Surroundings {
-        take_density(&mut patch, &views[0], source);
+        take_density(&mut finer, &views[0], library.source());
     }
-    if !refine(&mut patch, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
-        return Ok(Some(first));
+    let stop = || check(0.8);
+    if !refine(&mut finer, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
+        return Ok(Some((patch, story)));
     }
-    let Some(domain) = domain_of(&patch, Extent::Found) else { return Ok(Some(first)) };
-    let Some(window) = one_window(&domain) else { return Ok(Some(first)) };
-    let transforms: Vec<_> = views[0].copies.iter().map(|c| c.transform).collect();
-    let roughness = scope.roughness(&window.domain);
-    let views = look(&window, source, &transforms, roughness, threads, &|| check(0.85))?;
-    let views: Vec<View<'_>> = views.into_iter().collect();
-    let Some((patch, mut story)) = finish(&patch, source, &domain, &views) else {
-        return Ok(Some(first));
+    let domain = domain_of(&finer, Extent::Found);
+    let second = match domain {
+        Some(domain) => scope.look_again(&finer, &domain, &views[0], story.coherence_error)?,
+        None => None,
     };
-    // What it was before is what it was before both looks.
-    if let (Some(error), Some(first)) = (&mut story.coherence_error, first.1.coherence_error) {
-        error[0] = first[0];
-    }
-    Ok(Some((patch, story)))
+    Ok(second.or(Some((patch, story))))
 }
 
 /// Where the copies' triangles are smaller than those around the hole, the fill's shall be, too.
@@ -198,6 +190,34 @@ impl Scope<'_> {
             views.extend(look(window, source, &transforms, roughness, threads, &at(part))?);
         }
         Ok(views)
+    }
+
+    /// Looks at what a view saw once more, over a surface that was found so. `error`: what the first look
+    /// says of the coherence error.
+    fn look_again(
+        &self,
+        found: &Patch,
+        domain: &Domain,
+        first: &View<'_>,
+        error: Option<[f64; 2]>,
+    ) -> Result<Option<(Patch, Story)>> {
+        let Some(window) = one_window(domain) else { return Ok(None) };
+        let source = self.library.source();
+        let transforms: Vec<_> = first.copies.iter().map(|c| c.transform).collect();
+        let roughness = self.roughness(&window.domain);
+        let stop = || (self.check)(0.85);
+        let views: Vec<View<'_>> =
+            look(&window, source, &transforms, roughness, self.threads, &stop)?
+                .into_iter()
+                .collect();
+        let Some((patch, mut story)) = finish(found, source, domain, &views) else {
+            return Ok(None);
+        };
+        // What it was before is what it was before both looks.
+        if let (Some(both), Some(first)) = (&mut story.coherence_error, error) {
+            both[0] = first[0];
+        }
+        Ok(Some((patch, story)))
     }
 
     /// Mean roughness of the ring, see [`Source::roughness`].

@@ -4,6 +4,7 @@
 mod check;
 mod coherent;
 pub mod harary;
+mod initial;
 mod smooth;
 mod workers;
 
@@ -22,6 +23,7 @@ use check::{Obstacles, Rounding};
 use coherent::Library;
 use cpu_time::ProcessTime;
 use glam::DVec3;
+use initial::InitialFaces;
 use smooth::{fill_hole, Fill, Surroundings};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -81,18 +83,19 @@ impl<'a> Completer<'a> {
     }
 
     /// What coherent completions copy from, kept until other sources are asked for.
-    fn library(&self, options: &Options) -> Arc<Library> {
+    fn library(&self, options: &Options) -> Result<Arc<Library>> {
         let (sources, appearance) = (&options.sources, &options.appearance);
         let same = |k: &Key| k.0 == *sources && k.1 == *appearance;
         let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, library)) = kept.as_ref().filter(|k| same(&k.0)) {
-            return library.clone();
+            return Ok(library.clone());
         }
         let rims: Vec<u32> =
             self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect();
-        let library = Arc::new(Library::new(self.mesh, &rims, sources, appearance.as_deref()));
+        let library = Library::new(self.mesh, &rims, sources, appearance.as_deref())?;
+        let library = Arc::new(library);
         *kept = Some(((sources.clone(), appearance.clone()), library.clone()));
-        library
+        Ok(library)
     }
 
     /// The holes found.
@@ -106,9 +109,11 @@ impl<'a> Completer<'a> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
         options.check()?;
         options.sources.check(self.mesh.faces.len())?;
+        let vertices = self.mesh.vertices.len();
         if let Some(appearance) = &options.appearance {
-            appearance.check(self.mesh.vertices.len(), &options.sources)?;
+            appearance.check(vertices, &options.sources)?;
         }
+        options.initial.as_ref().map_or(Ok(()), |i| i.check(vertices))?;
         let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
         let todo = self.safe_holes(&wanted, options)?;
         monitor.step(0.05, "copying the surroundings")?;
@@ -116,7 +121,9 @@ impl<'a> Completer<'a> {
         let near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
         let incidence = Incidence::new(&near);
         let single = self.mesh.vertices.is_single();
+        let initial = options.initial.as_ref().map(|i| InitialFaces::new(i, vertices));
         let around = Surroundings {
+            initial: initial.as_ref(),
             input_vertices: self.mesh.vertices.len(),
             near: &near,
             incidence: &incidence,
@@ -192,10 +199,13 @@ impl<'a> Completer<'a> {
         let share = if options.method == Method::Coherent { SMOOTH_SHARE } else { 1.0 };
         let early = |part: f64| check(share * part);
         let late = |part: f64| check(share + (1.0 - share) * part);
-        let mut filled = fill_hole(around, &loops, obstacles, &early)?;
+        let mut filled = match around.initial {
+            Some(initial) => initial.fill_hole(around, &loops, obstacles, &early)?,
+            None => fill_hole(around, &loops, obstacles, &early)?,
+        };
         if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
-            let library = self.library(options);
+            let library = self.library(options)?;
             self.continue_fill(around, obstacles, fill, &library, threads, &late)?;
         }
         let seconds = clock.elapsed().as_secs_f64();

@@ -8,6 +8,7 @@
 //! all of them from a coarser triangulation.
 
 use super::check::{Obstacles, Rounding};
+use super::initial::InitialFaces;
 use crate::error::Result;
 use crate::fill::fairing::{fair, fair_from, predict_hidden, Plate};
 use crate::fill::outline::Outline;
@@ -50,6 +51,8 @@ const SOFT_BAND: f64 = 0.4;
 
 /// What all holes of a call share.
 pub struct Surroundings<'a> {
+    /// The caller's initial completion.
+    pub initial: Option<&'a InitialFaces<'a>>,
     /// How many vertices the whole mesh has.
     pub input_vertices: usize,
     /// The mesh near the holes.

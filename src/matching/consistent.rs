@@ -19,6 +19,7 @@ use crate::descriptor::patch_signature::{
 use crate::descriptor::spectrum::Random;
 use crate::descriptor::Spectral;
 use crate::error::Result;
+use crate::mesh::normals::vertex_normals;
 use crate::progress::Monitor;
 use glam::DVec3;
 
@@ -287,7 +288,7 @@ pub fn match_patches(
     let index = Index::new(describe(&sources)?.late(), Scale::Spread, SEARCH_DIMENSIONS, monitor)?;
     let k = (sources.len() / 1000).max(LEAST_CANDIDATES);
     let found = index.nearest(&describe(&targets)?.late(), k, monitor)?;
-    let normals = vertex_normals(positions, filled.faces);
+    let normals = vertex_normals(positions, filled.faces.iter().copied());
     let place = |v: u32| Place { point: positions[v as usize], normal: normals[v as usize] };
     let candidates =
         (found.iter()).map(|near| near.iter().map(|n| place(sources[n.source as usize])).collect());
@@ -325,15 +326,4 @@ fn spread(vertices: Vec<u32>, most: usize) -> Vec<u32> {
     }
     let limit = (u64::MAX as f64 * (most as f64 / vertices.len() as f64)) as u64;
     vertices.into_iter().filter(|&v| Random(u64::from(v)).next_bits() < limit).collect()
-}
-
-/// Unit normals of vertices, faces counting by area; zero without faces.
-pub fn vertex_normals(positions: &[DVec3], faces: &[[u32; 3]]) -> Vec<DVec3> {
-    let mut normals = vec![DVec3::ZERO; positions.len()];
-    for face in faces {
-        let [a, b, c] = face.map(|v| positions[v as usize]);
-        let normal = (b - a).cross(c - a);
-        face.iter().for_each(|&v| normals[v as usize] += normal);
-    }
-    normals.iter().map(|n| n.normalize_or_zero()).collect()
 }

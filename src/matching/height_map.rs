@@ -70,8 +70,9 @@ impl Frame {
 /// Radius and angle bin of a local point; `None` beyond the map.
 fn bin_of(local: DVec3, radius: f64) -> Option<(usize, usize)> {
     let r = local.truncate().length() / radius * RADII as f64;
-    let turn = local.y.atan2(local.x) / std::f64::consts::TAU;
-    let angle = ((turn + 1.0) * ANGLES as f64).floor() as usize % ANGLES;
+    // Single precision and a cast are enough for a bin, and show in the time of all maps.
+    let turn = (local.y as f32).atan2(local.x as f32) / std::f32::consts::TAU;
+    let angle = ((turn + 1.0) * ANGLES as f32) as usize % ANGLES;
     (r < RADII as f64).then_some((r as usize, angle))
 }
 

@@ -41,7 +41,7 @@ impl Effort {
         let n = target.fill.len();
         match targets {
             1 => Self {
-                maps: (10 * n).max(400),
+                maps: (6 * n).max(2000),
                 widths: &WIDTHS,
                 kept: (n / 8).clamp(10, 80),
                 fine: (n / 12).clamp(6, 30),
@@ -90,7 +90,7 @@ pub fn radius_at(edge: f64, scale: i32) -> f64 {
     edge * SCALE_STEP.powi(scale)
 }
 
-/// The cloud that serves a hole radius: the power of [`CLOUD_STEP`] of its spacing, in edges.
+/// The cloud that serves a hole radius: the power of 1.1 of its spacing, in edges.
 pub fn cloud_scale(source: &Source, radius: f64) -> i32 {
     let spacing = Cloud::spacing(source, CLOUD_SPACING * radius);
     ((spacing / source.edge).ln() / CLOUD_STEP.ln()).round() as i32
@@ -123,7 +123,7 @@ impl Maps {
         let make = || {
             let (centre, normal) = (self.centres.points[c], self.centres.normals[c]);
             let reach = REACH * self.radius;
-            let ids = self.cloud.tree.within(centre, reach);
+            let ids = self.cloud.tree.within_unsorted(centre, reach);
             let frame = frame_at(&self.cloud, &ids, centre, normal, self.radius)?;
             Some(HeightMap::new(&self.cloud, &ids, frame, reach))
         };
@@ -171,11 +171,11 @@ pub fn find_candidates(
     threads: usize,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Vec<Candidate>>> {
-    let matches = search_maps(maps, targets, threads, check)?;
+    let efforts: Vec<Effort> = targets.iter().map(|t| Effort::of(t, targets.len())).collect();
+    let matches = search_maps(maps, targets, &efforts, threads, check)?;
     let mut all = Vec::new();
-    for (target, matches) in targets.iter().zip(matches) {
-        let effort = Effort::of(target, targets.len());
-        all.push(align_all(known, source, target, &matches, &effort, threads, check)?);
+    for ((target, effort), matches) in targets.iter().zip(&efforts).zip(matches) {
+        all.push(align_all(known, source, target, &matches, effort, threads, check)?);
     }
     Ok(all)
 }
@@ -192,24 +192,21 @@ fn align_all(
     let coarse = thin_ring(target.ring, POINTS[0]);
     let fine = thin_ring(target.ring, POINTS[1]);
     let radius = target.radius;
-    let improve = |c: &Candidate, ring: &[RingPoint], partner, steps| {
+    // Aligned by one ring, judged by another.
+    let improve = |c: &Candidate, by: &[RingPoint], judge: &[RingPoint], partner, steps, keep| {
         let Candidate { transform, bland, .. } = *c;
-        let transform = align(source, ring, transform, partner, steps, 0.5 * radius, KEEP);
-        Candidate { transform, cost: bland * misfit(source, ring, &transform, radius), bland }
+        let transform = align(source, by, transform, partner, steps, 0.5 * radius, keep);
+        Candidate { transform, cost: bland * misfit(source, judge, &transform, radius), bland }
     };
-    let first = |i: usize| improve(&matches[i], &coarse, Partner::Vertex, 12);
+    let first = |i: usize| improve(&matches[i], &coarse, &coarse, Partner::Vertex, 12, KEEP);
     let found = parallel::map(matches.len(), threads, check, &first)?;
     let found = merge(found, target, effort.fine);
-    let second = |i: usize| improve(&found[i], &fine, Partner::Surface, 15);
+    let second = |i: usize| improve(&found[i], &fine, &fine, Partner::Surface, 15, KEEP);
     let mut found =
         merge(parallel::map(found.len(), threads, check, &second)?, target, effort.fine);
     // The best also by a wider ring, whole: where the near one is plain, or not quite alike.
     let wide = wide_ring(known, target);
-    let third = |i: usize| {
-        let Candidate { transform, bland, .. } = found[i];
-        let transform = align(source, &wide, transform, Partner::Surface, 15, 0.5 * radius, 1.0);
-        Candidate { transform, cost: bland * misfit(source, &fine, &transform, radius), bland }
-    };
+    let third = |i: usize| improve(&found[i], &wide, &fine, Partner::Surface, 15, 1.0);
     let variants = parallel::map(found.len().min(effort.widened), threads, check, &third)?;
     found.extend(variants);
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -219,11 +216,11 @@ fn align_all(
 fn search_maps(
     maps: &Maps,
     targets: &[Target<'_>],
+    efforts: &[Effort],
     threads: usize,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Vec<Candidate>>> {
     let reach = REACH * maps.radius;
-    let efforts: Vec<Effort> = targets.iter().map(|t| Effort::of(t, targets.len())).collect();
     let Some(widths) = efforts.first().map(|e| e.widths) else { return Ok(Vec::new()) };
     // Pattern p is width p % widths of target p / widths.
     let patterns: Vec<RingPattern> = targets
@@ -240,7 +237,7 @@ fn search_maps(
         })
         .collect();
     let chosen: Vec<Vec<u32>> =
-        targets.iter().zip(&efforts).map(|(t, e)| maps.choose(t, e.maps)).collect();
+        targets.iter().zip(efforts).map(|(t, e)| maps.choose(t, e.maps)).collect();
     let jobs: Vec<(usize, usize)> = (0..patterns.len())
         .filter(|&p| patterns[p].is_useful())
         .flat_map(|p| (0..chosen[p / widths.len()].len()).step_by(BATCH).map(move |b| (p, b)))

@@ -2,9 +2,13 @@
 //! from, ready to be searched.
 
 use super::paint::Paint;
+use crate::error::Result;
 use crate::intersect::Bvh;
+use crate::mesh::boundary::find_boundary;
+use crate::mesh::normals::vertex_normals;
 use crate::mesh::MeshView;
 use crate::options::Sources;
+use crate::progress::Monitor;
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -69,14 +73,18 @@ impl PointTree {
 
     /// All points within a radius, in ascending order of their indices.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<u32> {
-        let Some(tree) = &self.tree else { return Vec::new() };
-        let mut found: Vec<u32> = tree
-            .within_unsorted::<SquaredEuclidean>(&p.to_array(), radius * radius)
-            .iter()
-            .map(|n| self.ids[n.item as usize])
-            .collect();
+        let mut found = self.within_unsorted(p, radius);
         found.sort_unstable();
         found
+    }
+
+    /// All points within a radius, in the order of the tree, which is the same for the same points.
+    pub fn within_unsorted(&self, p: DVec3, radius: f64) -> Vec<u32> {
+        let Some(tree) = &self.tree else { return Vec::new() };
+        tree.within_unsorted::<SquaredEuclidean>(&p.to_array(), radius * radius)
+            .iter()
+            .map(|n| self.ids[n.item as usize])
+            .collect()
     }
 }
 
@@ -92,7 +100,7 @@ impl Source {
         mesh: MeshView<'_>,
         boundary: impl Iterator<Item = u32>,
         sources: &Sources,
-    ) -> Self {
+    ) -> Result<Self> {
         let may = |f: usize| match &sources.faces {
             _ if sources.exemplar_only => false,
             Some(faces) => faces[f],
@@ -101,10 +109,11 @@ impl Source {
         let mut parts = Parts::of(mesh, boundary, &may);
         if let Some(exemplar) = &sources.exemplar {
             let view = MeshView::new(&exemplar.vertices[..], &exemplar.faces[..]);
-            let boundary = boundary_of(&exemplar.faces);
-            parts.append(Parts::of(view, boundary.into_iter(), &|_| true), mesh.faces.len());
+            let edges = find_boundary(view, &Monitor::silent())?.edges;
+            let boundary = edges.iter().flat_map(|e| [e.from, e.to]);
+            parts.append(Parts::of(view, boundary, &|_| true), mesh.faces.len());
         }
-        parts.build()
+        Ok(parts.build())
     }
 
     /// With the colours of the mesh and its exemplar.
@@ -171,22 +180,16 @@ impl Parts {
     ) -> Self {
         let n = mesh.vertices.len();
         let positions: Vec<DVec3> = (0..n).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
-        let mut normals = vec![DVec3::ZERO; n];
+        let all = || (0..mesh.faces.len()).map(|f| mesh.faces.get(f));
+        let normals = vertex_normals(&positions, all());
         let (mut faces, mut face_ids) = (Vec::with_capacity(mesh.faces.len()), Vec::new());
-        for f in 0..mesh.faces.len() {
-            let face = mesh.faces.get(f);
-            let p = face.map(|v| positions[v as usize]);
-            let normal = (p[1] - p[0]).cross(p[2] - p[0]);
-            if normal == DVec3::ZERO {
-                continue;
-            }
-            face.iter().for_each(|&v| normals[v as usize] += normal);
-            if may(f) {
+        for (f, face) in all().enumerate().filter(|(f, _)| may(*f)) {
+            let [a, b, c] = face.map(|v| positions[v as usize]);
+            if (b - a).cross(c - a) != DVec3::ZERO {
                 faces.push(face);
                 face_ids.push(f as u32);
             }
         }
-        normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
         let mut on_boundary = vec![false; n];
         boundary.for_each(|v| on_boundary[v as usize] = true);
         Self { positions, normals, on_boundary, faces, face_ids }
@@ -229,16 +232,6 @@ impl Parts {
             on_boundary,
         }
     }
-}
-
-/// Vertices on edges that one face alone has.
-fn boundary_of(faces: &[[u32; 3]]) -> Vec<u32> {
-    let edge = |f: &[u32; 3], k: usize| (f[k].min(f[(k + 1) % 3]), f[k].max(f[(k + 1) % 3]));
-    let mut edges: Vec<(u32, u32)> =
-        faces.iter().flat_map(|f| [0, 1, 2].map(|k| edge(f, k))).collect();
-    edges.sort_unstable();
-    let single = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
-    single.flat_map(|same| [same[0].0, same[0].1]).collect()
 }
 
 /// Of each vertex the mean over its edges of the roughness and of the length.

@@ -2,6 +2,7 @@
 
 pub mod boundary;
 pub mod neighbourhood;
+pub mod normals;
 mod view;
 
 pub use view::{FaceView, MeshView, VertexView};

@@ -13,6 +13,7 @@ use crate::matching::icp::RingPoint;
 use crate::matching::paint::Paint;
 use crate::matching::search::Target;
 use crate::mesh::neighbourhood::Neighbourhood;
+use crate::mesh::normals::vertex_normals;
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -284,22 +285,17 @@ impl Domain {
     /// into the fill: minimises s² nᵀ L n + Σ_known m |n − n₀|².
     fn smooth_directions(&self, of_fill: bool) -> Option<Vec<DVec3>> {
         let n = self.sheet.positions.len();
-        let mut normals = vec![DVec3::ZERO; n];
         let band_start = self.sheet.triangles.len() - self.sheet.band_face_count;
         let from = if of_fill { 0 } else { band_start };
-        for tri in &self.sheet.triangles[from..] {
-            let p = tri.map(|v| self.sheet.positions[v as usize]);
-            let normal = (p[1] - p[0]).cross(p[2] - p[0]);
-            tri.iter().for_each(|&v| normals[v as usize] += normal);
-        }
+        let faces = self.sheet.triangles[from..].iter().copied();
+        let normals = vertex_normals(&self.sheet.positions, faces);
         let s2 = (SMOOTHING * self.radius).powi(2);
         let is_data = |v: usize| of_fill || self.is_known(v);
         let data = |v: usize| if is_data(v) { self.laplacian.mass[v] } else { 0.0 };
         let diagonal: Vec<f64> = (0..n).map(|v| data(v) / s2).collect();
         let factor = self.membrane_energy().factor(1.0, &diagonal)?;
-        let mut columns: Vec<Vec<f64>> = (0..3)
-            .map(|d| (0..n).map(|v| diagonal[v] * normals[v].normalize_or_zero()[d]).collect())
-            .collect();
+        let mut columns: Vec<Vec<f64>> =
+            (0..3).map(|d| (0..n).map(|v| diagonal[v] * normals[v][d]).collect()).collect();
         factor.solve(&mut columns);
         let smooth = |v: usize| DVec3::new(columns[0][v], columns[1][v], columns[2][v]);
         Some((0..n).map(|v| smooth(v).normalize_or_zero()).collect())

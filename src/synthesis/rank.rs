@@ -11,6 +11,7 @@ use super::fit::Fitted;
 use super::project::Copy;
 use crate::matching::height_map::blandness;
 use crate::matching::paint::EDGES;
+use crate::mesh::normals::vertex_normals;
 use glam::DVec3;
 
 /// Ring points nearer than this to a fill vertex count alike, in hole radii.
@@ -88,11 +89,6 @@ pub fn weights(scores: &Scores, i: usize, power: i32) -> Vec<f64> {
 /// Unit normals of the known surface, by sheet vertex.
 pub fn known_normals(domain: &Domain) -> Vec<DVec3> {
     let sheet = &domain.sheet;
-    let mut normals = vec![DVec3::ZERO; sheet.positions.len()];
-    for tri in &sheet.triangles[sheet.triangles.len() - sheet.band_face_count..] {
-        let p = tri.map(|v| sheet.positions[v as usize]);
-        let normal = (p[1] - p[0]).cross(p[2] - p[0]);
-        tri.iter().for_each(|&v| normals[v as usize] += normal);
-    }
-    normals.iter().map(|n| n.normalize_or_zero()).collect()
+    let band = &sheet.triangles[sheet.triangles.len() - sheet.band_face_count..];
+    vertex_normals(&sheet.positions, band.iter().copied())
 }

@@ -23,7 +23,9 @@ enum {
   FACES = 2 * (RINGS - 1) * AROUND + AROUND - PATCH_FACES,
   SIEVE_FACES = FACES - (MANY - 1) * PATCH_FACES,
   CAP_EDGES = AROUND,
-  PATCH_EDGES = 4 * PATCH_SIZE
+  PATCH_EDGES = 4 * PATCH_SIZE,
+  WHOLE_VERTICES = (STACKS - 1) * AROUND + 2,
+  WHOLE_FACES = 2 * (STACKS - 1) * AROUND
 };
 
 struct ball {
@@ -40,5 +42,21 @@ double cap_edge(void);
 /* With 1 patch or MANY. The vertices inside a patch stay in the array, named by no face: they must
  * come back, too. */
 void make_ball(struct ball *ball, int patches);
+
+/* The same without holes. */
+struct whole_ball {
+  float vertices[WHOLE_VERTICES][3];
+  uint32_t faces[WHOLE_FACES][3];
+};
+void make_whole_ball(struct whole_ball *ball);
+
+/* Gives a sphere bumps, no two of them alike: moves each vertex along its ray from the centre. */
+void add_bumps(float (*vertices)[3], int count);
+
+/* How far a point is from the sphere with bumps, along its ray. */
+double off_bumps(double x, double y, double z);
+
+/* Turns and moves a whole ball, and mirrors it first if asked to. */
+void move_away(struct whole_ball *ball, int mirrored);
 
 #endif

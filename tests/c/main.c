@@ -66,6 +66,7 @@ int main(int argc, char **argv) {
   test_holes();
   test_selection();
   test_provenance();
+  test_sources();
   if (!memory_only) {
     test_versions();
     test_values();

@@ -1,7 +1,8 @@
 //! The contract, counted anew: shares no code with the library but the test of two triangles.
 
+use crate::meshes::Mesh;
 use complete_mesh::intersect::triangles_intersect;
-use complete_mesh::{Completion, HoleStatus};
+use complete_mesh::{complete_mesh, find_holes, Completion, HoleStatus, Monitor, Options};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
@@ -238,11 +239,19 @@ pub fn filled_rims(made: &Completion, list: &complete_mesh::HoleList) -> Vec<Vec
         .collect()
 }
 
+/// Completes a mesh and checks the contract.
+pub fn complete_checked(mesh: &Mesh, options: &Options) -> Completion {
+    let made = complete_mesh(&mesh.vertices[..], &mesh.faces[..], options).unwrap();
+    let list = find_holes(mesh.view(), &options.grouping, &Monitor::silent()).unwrap();
+    check(&mesh.vertices, &mesh.faces, &made, &filled_rims(&made, &list)).unwrap();
+    made
+}
+
 mod itself {
     //! A checker that lets everything pass would prove nothing.
     use super::*;
     use crate::meshes::tetrahedron_without_floor;
-    use complete_mesh::{complete_mesh, Options, Sizing};
+    use complete_mesh::Sizing;
 
     #[test]
     fn broken_promises_are_noticed() {

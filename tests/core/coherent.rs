@@ -1,22 +1,18 @@
 //! Coherent completion against surfaces whose truth is known.
 
-use crate::checker::{check, filled_rims};
+use crate::checker::complete_checked;
 use crate::meshes::{flat, sheet, tetrahedron_without_floor, within, Mesh};
 use complete_mesh::intersect::Bvh;
 use complete_mesh::matching::rigid::Rigid;
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
 use complete_mesh::{
-    complete_mesh, complete_mesh_with, find_holes, Completer, Completion, Error, Grouping,
-    MeshView, Method, Monitor, Options, Selection,
+    complete_mesh, complete_mesh_with, Completer, Completion, Error, Grouping, MeshView, Method,
+    Monitor, Options, Selection,
 };
 use glam::{DMat3, DVec3};
 
 fn fill(mesh: &Mesh, method: Method) -> Completion {
-    let options = Options { method, selection: Selection::All, ..Options::default() };
-    let made = complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap();
-    let list = find_holes(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
-    check(&mesh.vertices, &mesh.faces, &made, &filled_rims(&made, &list)).unwrap();
-    made
+    complete_checked(mesh, &Options { method, ..Options::default() })
 }
 
 /// Every bit of two results but their times.
@@ -307,10 +303,8 @@ fn the_smallest_meshes_are_filled() {
     octahedron.faces.pop();
     let sizing = complete_mesh::Sizing::EdgeLength(0.1);
     let options = Options { sizing, ..Options::default() };
-    let made = complete_mesh(&octahedron.vertices[..], &octahedron.faces[..], &options).unwrap();
+    let made = complete_checked(&octahedron, &options);
     assert!(made.vertices.len() > 50, "{}", made.vertices.len());
-    let list = find_holes(octahedron.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
-    check(&octahedron.vertices, &octahedron.faces, &made, &filled_rims(&made, &list)).unwrap();
 }
 
 #[test]

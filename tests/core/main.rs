@@ -5,6 +5,7 @@ mod checker;
 mod coherent;
 mod contract;
 mod holes;
+mod initial;
 mod meshes;
 mod provenance;
 mod random;

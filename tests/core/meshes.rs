@@ -1,5 +1,6 @@
 //! Hand-made meshes.
 
+use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
 use complete_mesh::MeshView;
 use glam::{DQuat, DVec3};
 
@@ -18,6 +19,13 @@ impl Mesh {
     /// Index of the vertex at exactly this place.
     pub fn at(&self, p: [f64; 3]) -> u32 {
         self.vertices.iter().position(|&q| q == p).expect("a vertex there") as u32
+    }
+
+    /// Mean length of the faces' first edges.
+    pub fn mean_edge(&self) -> f64 {
+        let p = |v: u32| DVec3::from(self.vertices[v as usize]);
+        let length = |f: &[u32; 3]| p(f[0]).distance(p(f[1]));
+        self.faces.iter().map(length).sum::<f64>() / self.faces.len() as f64
     }
 
     /// Drops vertices that no face uses.
@@ -41,6 +49,18 @@ impl Mesh {
         let to = |p: &[f64; 3]| (turn * (scale * DVec3::from(*p)) + by).to_array();
         Self { vertices: self.vertices.iter().map(to).collect(), faces: self.faces.clone() }
     }
+}
+
+/// A decorated vessel with something broken off, and the vessel whole.
+pub fn broken_vessel(kind: Break) -> (Mesh, Mesh) {
+    let whole = Sample::Vessel.build(110).unwrap();
+    let options = BreakOptions { kind, seed: 1, size: 0.8 };
+    let broken = break_mesh(Sample::Vessel, &whole, &options).unwrap().mesh;
+    let mesh = |sample: SampleMesh| Mesh {
+        vertices: sample.vertices.iter().map(|p| p.map(f64::from)).collect(),
+        faces: sample.faces,
+    };
+    (mesh(broken), mesh(whole))
 }
 
 pub fn tetrahedron_without_floor() -> Mesh {

@@ -1,35 +1,23 @@
 //! What may be copied from: part of the mesh, another mesh, nothing mirrored.
 
-use crate::checker::{check, filled_rims};
-use crate::meshes::Mesh;
+use crate::checker::complete_checked;
+use crate::meshes::{broken_vessel, Mesh};
 use complete_mesh::intersect::Bvh;
 use complete_mesh::result::NONE;
-use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample};
+use complete_mesh::sample::{Break, Sample};
 use complete_mesh::{
-    complete_mesh, find_holes, Completer, Completion, Error, Exemplar, Grouping, Method, Monitor,
-    Options, Sources,
+    complete_mesh, Completer, Completion, Error, Exemplar, Grouping, Method, Monitor, Options,
+    Sources,
 };
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
-/// A decorated vessel with a hole, and the vessel whole.
 fn vessel() -> (Mesh, Mesh) {
-    let whole = Sample::Vessel.build(110).unwrap();
-    let options = BreakOptions { kind: Break::Disc, seed: 1, size: 0.8 };
-    let broken = break_mesh(Sample::Vessel, &whole, &options).unwrap().mesh;
-    let mesh = |vertices: &[[f32; 3]], faces: &[[u32; 3]]| Mesh {
-        vertices: vertices.iter().map(|p| p.map(f64::from)).collect(),
-        faces: faces.to_vec(),
-    };
-    (mesh(&broken.vertices, &broken.faces), mesh(&whole.vertices, &whole.faces))
+    broken_vessel(Break::Disc)
 }
 
 fn fill(mesh: &Mesh, sources: Sources) -> Completion {
-    let options = Options { sources, ..Options::default() };
-    let made = complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap();
-    let list = find_holes(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
-    check(&mesh.vertices, &mesh.faces, &made, &filled_rims(&made, &list)).unwrap();
-    made
+    complete_checked(mesh, &Options { sources, ..Options::default() })
 }
 
 fn moved(mesh: &Mesh, mirrored: bool) -> Exemplar {
@@ -48,10 +36,8 @@ fn moved(mesh: &Mesh, mirrored: bool) -> Exemplar {
 fn off(made: &Completion, truth: &Mesh) -> f64 {
     let corners: Vec<DVec3> = truth.vertices.iter().map(|&p| DVec3::from(p)).collect();
     let tree = Bvh::new(&corners, &truth.faces);
-    let length = |f: &[u32; 3]| corners[f[0] as usize].distance(corners[f[1] as usize]);
-    let edge = truth.faces.iter().map(length).sum::<f64>() / truth.faces.len() as f64;
     let from = |p: &[f64; 3]| tree.closest_point(DVec3::from(*p), f64::INFINITY).unwrap().distance;
-    made.vertices.iter().map(from).fold(0.0, f64::max) / edge
+    made.vertices.iter().map(from).fold(0.0, f64::max) / truth.mean_edge()
 }
 
 /// An intact twin, turned and moved, or mirrored: the fill is the twin's piece to a small part of an

@@ -3,6 +3,7 @@
 int main() {
   test_values();
   test_options();
+  test_sources();
   test_failures();
   test_progress();
   test_completer();

@@ -24,6 +24,12 @@ void check_defaults() {
   CHECK(got.join_vertices == c.join_vertices && got.join_sizes == c.join_sizes);
   CHECK(got.join_count == c.join_count && got.threads == c.threads && got.output == c.output);
   CHECK(got.progress == c.progress && got.progress_user == c.progress_user);
+  CHECK(got.source_faces == c.source_faces && got.exemplar_vertices == c.exemplar_vertices);
+  CHECK(got.exemplar_vertex_count == c.exemplar_vertex_count && got.exemplar_faces == c.exemplar_faces);
+  CHECK(got.exemplar_face_count == c.exemplar_face_count && got.exemplar_only == c.exemplar_only);
+  CHECK(got.unmirrored == c.unmirrored && got.initial_vertices == c.initial_vertices);
+  CHECK(got.initial_vertex_count == c.initial_vertex_count && got.initial_faces == c.initial_faces);
+  CHECK(got.initial_face_count == c.initial_face_count);
 }
 
 void check_all_fields() {
@@ -43,7 +49,13 @@ void check_all_fields() {
   options.threads = 3;
   options.output = mc::Output::new_only;
   options.progress = [](double, const char*) {};
+  options.source_faces = {1, 0, 1};
+  options.exemplar = {{{1, 2, 3}, {4, 5, 6}, {7, 8, 9.1}}, {{0, 1, 2}, {2, 1, 0}}};
+  options.exemplar_only = true;
+  options.unmirrored = true;
+  options.initial = {{{0.1, 0, 0}}, {{3, 4, 5}}};
   mc::MeshView<double> mesh;
+  mesh.face_count = 3;
   mesh.vertex_stride = 40;
   mesh.face_stride = 16;
   mc::detail::Call call(options, mesh);
@@ -61,6 +73,23 @@ void check_all_fields() {
   CHECK(c.selection_point[0] == 1 && c.selection_point[1] == 2 && c.selection_point[2] == 3);
   CHECK(c.skip_unsafe == 1 && c.threads == 3 && c.output == COMPLETE_MESH_OUTPUT_NEW_ONLY);
   CHECK(c.progress != nullptr && c.progress_user != nullptr);
+  const double corners[] = {1, 2, 3, 4, 5, 6, 7, 8, 9.1}, added[] = {0.1, 0, 0};
+  const std::uint32_t triangles[] = {0, 1, 2, 2, 1, 0}, more[] = {3, 4, 5};
+  CHECK(c.source_faces[0] == 1 && c.source_faces[1] == 0 && c.source_faces[2] == 1);
+  CHECK(c.exemplar_vertex_count == 3 && c.exemplar_face_count == 2);
+  CHECK(std::memcmp(c.exemplar_vertices, corners, sizeof corners) == 0);
+  CHECK(std::memcmp(c.exemplar_faces, triangles, sizeof triangles) == 0);
+  CHECK(c.exemplar_only == 1 && c.unmirrored == 1);
+  CHECK(c.initial_vertex_count == 1 && c.initial_face_count == 1);
+  CHECK(std::memcmp(c.initial_vertices, added, sizeof added) == 0);
+  CHECK(std::memcmp(c.initial_faces, more, sizeof more) == 0);
+  // rounded as a mesh of floats is
+  mc::MeshView<float> floats;
+  floats.face_count = 3;
+  mc::detail::Call single(options, floats);
+  const float rounded[] = {0.1f, 0, 0};
+  CHECK(std::memcmp(single.options()->initial_vertices, rounded, sizeof rounded) == 0);
+  CHECK(static_cast<const float*>(single.options()->exemplar_vertices)[8] == 9.1f);
 }
 
 // One of each kind seen in the result.

@@ -7,6 +7,8 @@ int main() {
   test_attributes<DoubleMesh>();
   test_deleted<FloatMesh>();
   test_deleted<DoubleMesh>();
+  test_sources<FloatMesh>();
+  test_sources<DoubleMesh>();
   test_failures<FloatMesh>();
   test_failures<DoubleMesh>();
   return finish();

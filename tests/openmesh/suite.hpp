@@ -150,6 +150,8 @@ void test_attributes();
 template <class Mesh>
 void test_deleted();
 template <class Mesh>
+void test_sources();
+template <class Mesh>
 void test_failures();
 
 #endif

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from complete_mesh import Completer, CompleteMeshError, Status, complete_mesh
 from conftest import same
-from meshes import column, positions, read_ply, write_ply
+from meshes import column, octahedron, positions, read_ply, write_ply
 
 
 def turned(vertices):
@@ -75,3 +75,56 @@ def test_sources_that_cannot_be(broken):
     wrong[2, 0] = len(vertices)
     with pytest.raises(CompleteMeshError):
         complete_mesh(vertices, faces, exemplar_vertices=vertices, exemplar_faces=wrong)
+
+
+def triangles(result):
+    """The fill's triangles by coordinates, in an order of their own; first corners, too."""
+    corners = result.vertices[result.new_faces]
+    first = np.array([sorted(range(3), key=lambda k: tuple(t[k]))[0] for t in corners])
+    turns = (first[:, None] + np.arange(3)) % 3
+    rows = np.take_along_axis(corners, turns[:, :, None], axis=1).reshape(-1, 9)
+    return rows[np.lexsort(rows.T)]
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_initial_comes_back(broken, dtype):
+    """A membrane, where a smooth fill would be another."""
+    vertices, faces = broken[0].astype(dtype), broken[1]
+    given = complete_mesh(vertices, faces, method="smooth", fairing="c0")
+    other = complete_mesh(vertices, faces, method="smooth")
+    assert len(given.new_vertices) > 0 and not same(triangles(given), triangles(other))
+    completer = Completer(vertices, faces)
+    for new_vertices, new_faces in (
+        (given.new_vertices, given.new_faces),
+        (given.new_vertices.astype(np.float64), given.new_faces.astype(np.int64)),
+        (np.repeat(given.new_vertices, 2, axis=0)[::2], np.asfortranarray(given.new_faces)),
+    ):
+        options = {"initial_vertices": new_vertices, "initial_faces": new_faces, "method": "smooth"}
+        for result in (complete_mesh(vertices, faces, **options), completer.complete(**options)):
+            assert same(result.vertices[: len(vertices)], vertices)
+            assert same(triangles(result), triangles(given))
+
+
+def test_initial_only_of_faces():
+    """One new face closes a triangle's hole and adds no vertex."""
+    vertices, faces = octahedron()
+    closing = np.array([[0, 2, 4], [1, 5, 3]])
+    result = complete_mesh(vertices, faces, initial_vertices=[], initial_faces=closing)
+    assert len(result.new_vertices) == 0
+    assert sorted(sorted(face) for face in result.new_faces.tolist()) == [[0, 2, 4], [1, 3, 5]]
+
+
+def test_initial_that_cannot_be(broken):
+    vertices, faces = broken
+    given = complete_mesh(vertices, faces, method="smooth")
+    with pytest.raises(ValueError, match="need each other"):
+        complete_mesh(vertices, faces, initial_faces=given.new_faces)
+    options = {"initial_vertices": given.new_vertices, "initial_faces": given.new_faces[1:]}
+    with pytest.raises(CompleteMeshError) as caught:
+        complete_mesh(vertices, faces, **options)
+    assert caught.value.status == Status.HOLE_FAILED
+    beyond = given.new_faces.copy()
+    beyond[0, 0] = len(vertices) + len(given.new_vertices)
+    with pytest.raises(CompleteMeshError) as caught:
+        complete_mesh(vertices, faces, **(options | {"initial_faces": beyond}))
+    assert caught.value.status == Status.INVALID_OPTION

@@ -65,6 +65,10 @@ class Options(c.Structure):
         ("exemplar_face_count", c_size_t),
         ("exemplar_only", c_uint32),
         ("unmirrored", c_uint32),
+        ("initial_vertices", c_void_p),
+        ("initial_vertex_count", c_size_t),
+        ("initial_faces", c_void_p),
+        ("initial_face_count", c_size_t),
     ]
 
 

@@ -37,6 +37,8 @@ def complete_mesh(
     exemplar_faces: Optional[ArrayLike] = None,
     exemplar_only: bool = False,
     unmirrored: bool = False,
+    initial_vertices: Optional[ArrayLike] = None,
+    initial_faces: Optional[ArrayLike] = None,
     threads: int = 0,
     output: str = "whole_mesh",
     progress: Optional[Progress] = None,
@@ -74,6 +76,9 @@ def complete_mesh(
         exemplar_faces: its faces, (q, 3).
         exemplar_only: copy from the exemplar alone.
         unmirrored: copy nothing mirrored.
+        initial_vertices: new vertices of a completion to start from instead of a smooth one, (k, 3).
+            A hole that it does not fill fails.
+        initial_faces: its new faces, (l, 3), numbered as those of a result: new vertices from n on.
         threads: worker threads, 0 for as many as there are cores. The result does not depend on it.
         output: "whole_mesh", or "new_only" for a result without `vertices` and `faces`.
         progress: called as ``progress(fraction, stage)`` with 0 to 1 and a word or two, on the
@@ -107,6 +112,8 @@ def complete_mesh(
         exemplar_faces=exemplar_faces,
         exemplar_only=exemplar_only,
         unmirrored=unmirrored,
+        initial_vertices=initial_vertices,
+        initial_faces=initial_faces,
         threads=threads,
         progress=progress,
     )
@@ -205,6 +212,8 @@ class Completer:
         exemplar_faces: Optional[ArrayLike] = None,
         exemplar_only: bool = False,
         unmirrored: bool = False,
+        initial_vertices: Optional[ArrayLike] = None,
+        initial_faces: Optional[ArrayLike] = None,
         threads: int = 0,
         output: str = "whole_mesh",
         progress: Optional[Progress] = None,
@@ -229,6 +238,8 @@ class Completer:
             exemplar_faces=exemplar_faces,
             exemplar_only=exemplar_only,
             unmirrored=unmirrored,
+            initial_vertices=initial_vertices,
+            initial_faces=initial_faces,
             threads=threads,
             progress=progress,
         )

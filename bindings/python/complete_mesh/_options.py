@@ -50,6 +50,8 @@ class Call:
         exemplar_faces: Optional[ArrayLike] = None,
         exemplar_only: bool = False,
         unmirrored: bool = False,
+        initial_vertices: Optional[ArrayLike] = None,
+        initial_faces: Optional[ArrayLike] = None,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -72,9 +74,10 @@ class Call:
         self._set_grouping(grouping, join_vertices)
         self._set_selection(selection, selected)
         self._set_source_faces(source_faces, len(mesh.faces))
-        self._set_exemplar(exemplar_vertices, exemplar_faces, mesh)
+        self._set_surface("exemplar", exemplar_vertices, exemplar_faces, mesh)
         options.exemplar_only = bool(exemplar_only)
         options.unmirrored = bool(unmirrored)
+        self._set_surface("initial", initial_vertices, initial_faces, mesh)
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
@@ -136,22 +139,21 @@ class Call:
         self._kept.append(kept)
         self.options.source_faces = kept.ctypes.data
 
-    def _set_exemplar(
-        self, vertices: Optional[ArrayLike], faces: Optional[ArrayLike], mesh: Mesh
+    def _set_surface(
+        self, name: str, vertices: Optional[ArrayLike], faces: Optional[ArrayLike], mesh: Mesh
     ) -> None:
+        """The options NAME_vertices, NAME_faces and their counts, packed and in the mesh's dtype."""
         if (vertices is None) != (faces is None):
-            raise ValueError("exemplar_vertices and exemplar_faces need each other")
+            raise ValueError(f"{name}_vertices and {name}_faces need each other")
         if vertices is None or faces is None:
             return
-        exemplar = Mesh(vertices, faces)
-        positions = np.array(exemplar.vertices, mesh.vertices.dtype, order="C")
-        packed = Mesh(positions, exemplar.faces, copy=True)
+        given = Mesh(vertices, faces)
+        positions = np.array(given.vertices, mesh.vertices.dtype, order="C")
+        packed = Mesh(positions, given.faces, copy=True)
         self._kept.append(packed)
-        options = self.options
-        options.exemplar_vertices, options.exemplar_vertex_count, options.exemplar_faces, count = (
-            packed.arguments()
-        )
-        options.exemplar_face_count = count
+        fields = ("vertices", "vertex_count", "faces", "face_count")
+        for field, value in zip(fields, packed.arguments()):
+            setattr(self.options, f"{name}_{field}", value)
 
     def _indices(self, name: str, numbers: Any) -> Optional[int]:
         """The address of a copy as 32-bit numbers, which self keeps; None if there are none."""

@@ -1,0 +1,145 @@
+//! Where fills come from, and what they may be told to start and copy from.
+
+use crate::place::{assert_kept, geometry, Place};
+use complete_mesh::intersect::Bvh;
+use complete_mesh::io::Document;
+use glam::DVec3;
+
+#[test]
+fn provenance_marks_the_new_vertices() {
+    let place = Place::new();
+    place.expect(0, "sample sphere --resolution 40 --break disc -o in.ply");
+    place.expect(0, "fill in.ply -o out.ply --provenance");
+    let bytes = std::fs::read(place.path("out.ply")).unwrap();
+    let header = String::from_utf8_lossy(&bytes[..400]).into_owned();
+    assert!(header.contains("completed") && header.contains("hole"), "{header}");
+    assert_kept(&place.path("in.ply"), &place.path("out.ply"));
+}
+
+/// What the file says of each new vertex, what the report says of the hole and what lies in the
+/// input at the place named belong together.
+#[test]
+fn report_and_columns_lead_to_the_source() {
+    let place = Place::new();
+    place.expect(0, "sample column --resolution 60 --break disc -o in.ply");
+    let line = "fill in.ply -o out.ply --provenance --report r.json --picture p.png --tint";
+    let (stdout, _) = place.expect(0, line);
+    let hole = place.json("r.json")["holes"][0].clone();
+    assert_eq!(hole["method"], "coherent");
+    let confidence = hole["confidence"].as_f64().unwrap();
+    assert!(confidence > 0.0 && confidence <= 1.0, "{hole:#}");
+    let sources = hole["sources"].as_array().unwrap();
+    let told = format!("hole 0: coherent, {} source", sources.len());
+    assert!(stdout.contains(&told) && stdout.contains("confidence"), "{stdout}");
+    let sum: f64 = sources.iter().map(|s| s["weight"].as_f64().unwrap()).sum();
+    assert!((sum - 1.0).abs() < 1e-9, "{hole:#}");
+
+    let bytes = std::fs::read(place.path("out.ply")).unwrap();
+    let body = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    // Three floats, completed, hole, source_face, source_u, source_v, source, confidence.
+    let row = |v: usize| &bytes[body + 37 * v..body + 37 * (v + 1)];
+    let int = |v: usize, at: usize| i32::from_le_bytes(row(v)[at..at + 4].try_into().unwrap());
+    let float =
+        |v: usize, at: usize| f64::from(f32::from_le_bytes(row(v)[at..at + 4].try_into().unwrap()));
+    let (vertices, faces) = geometry(&place.path("in.ply"));
+    for v in 0..vertices.len() {
+        assert_eq!((row(v)[12], int(v, 13), int(v, 17), int(v, 29)), (0, -1, -1, -1));
+        assert_eq!(float(v, 33), 0.0);
+    }
+    let new = hole["new_vertices"].as_u64().unwrap() as usize;
+    let diameter = hole["diameter"].as_f64().unwrap();
+    let mut copied = 0;
+    for v in vertices.len()..vertices.len() + new {
+        assert_eq!((row(v)[12], int(v, 13)), (1, 0));
+        let Ok(face) = usize::try_from(int(v, 17)) else { continue };
+        copied += 1;
+        let (a, b) = (float(v, 21), float(v, 25));
+        let corners = faces[face].map(|c| vertices[c as usize].map(f64::from_bits));
+        let p: [f64; 3] = std::array::from_fn(|k| {
+            (1.0 - a - b) * corners[0][k] + a * corners[1][k] + b * corners[2][k]
+        });
+        let transform = &sources[int(v, 29) as usize]["transform"];
+        let entry = |i: usize, k: usize| transform[i][k].as_f64().unwrap();
+        let off: f64 = (0..3)
+            .map(|i| {
+                let to: f64 = (0..3).map(|k| entry(i, k) * p[k]).sum::<f64>() + entry(i, 3);
+                (to - float(v, 4 * i)).powi(2)
+            })
+            .sum();
+        assert!(off.sqrt() < 0.25 * diameter, "vertex {v} is {} from its source", off.sqrt());
+    }
+    assert!(10 * copied > 9 * new, "{copied} of {new}");
+}
+
+/// Given an intact twin and nothing else, the fill lies on the twin's surface, which a smooth fill does
+/// not: both are of one sample, so the twin is where it was.
+#[test]
+fn an_exemplar_gives_back_what_is_missing() {
+    let place = Place::new();
+    place.expect(0, "sample vessel --resolution 90 -q -o whole.ply");
+    place.expect(0, "sample vessel --resolution 90 --break disc -q -o in.ply");
+    place.expect(0, "fill in.ply --method smooth -q -o smooth.ply");
+    place.expect(0, "fill in.ply --exemplar whole.ply --exemplar-only --unmirrored -q -o twin.ply");
+    assert_kept(&place.path("in.ply"), &place.path("twin.ply"));
+    let off = |name: &str| worst_of_new(&place, "in.ply", name, "whole.ply");
+    let (twin, smooth) = (off("twin.ply"), off("smooth.ply"));
+    println!("twin {twin:.3} edges, smooth {smooth:.3}");
+    assert!(twin < 0.05 && smooth > 0.3, "{twin} {smooth}");
+    place.expect(2, "fill in.ply --exemplar-only -o none.ply");
+    place.expect(3, "fill in.ply --exemplar missing.ply -o none.ply");
+}
+
+/// The greatest distance of a new vertex from the whole mesh, in mean edges of that.
+fn worst_of_new(place: &Place, input: &str, output: &str, truth: &str) -> f64 {
+    let read = |name: &str| Document::read(&place.path(name)).unwrap();
+    let (input, output, truth) = (read(input), read(output), read(truth));
+    let corners: Vec<DVec3> =
+        (0..truth.vertices().len()).map(|v| DVec3::from(truth.vertices().get(v))).collect();
+    let faces: Vec<[u32; 3]> = (0..truth.faces().len()).map(|f| truth.faces().get(f)).collect();
+    let length = |f: &[u32; 3]| corners[f[0] as usize].distance(corners[f[1] as usize]);
+    let edge = faces.iter().map(length).sum::<f64>() / faces.len() as f64;
+    let tree = Bvh::new(&corners, &faces);
+    let new = input.vertices().len()..output.vertices().len();
+    assert!(!new.is_empty());
+    let off = |v| tree.closest_point(DVec3::from(output.vertices().get(v)), f64::INFINITY);
+    new.map(|v| off(v).unwrap().distance).fold(0.0, f64::max) / edge
+}
+
+/// A membrane comes back as it was given, where a smooth fill would be another.
+#[test]
+fn an_initial_completion_is_what_is_started_from() {
+    let place = Place::new();
+    place.expect(0, "sample vessel --resolution 60 --break disc -q -o in.ply");
+    place.expect(0, "fill in.ply --method smooth --fairing c0 -q -o flat.ply");
+    place.expect(0, "fill in.ply --method smooth -q -o other.ply");
+    place.expect(0, "fill in.ply --method smooth --initial flat.ply -q -o again.ply");
+    assert_kept(&place.path("in.ply"), &place.path("again.ply"));
+    let sorted = |name: &str| {
+        let (mut vertices, faces) = geometry(&place.path(name));
+        vertices.sort_unstable();
+        (vertices, faces.len())
+    };
+    assert!(sorted("again.ply") == sorted("flat.ply"));
+    assert!(sorted("other.ply") != sorted("flat.ply"));
+    let (_, stderr) = place.expect(2, "fill in.ply --initial again.ply --holes 0 -o again.ply");
+    assert!(stderr.contains("one file"), "{stderr}");
+    // Of another mesh.
+    place.expect(0, "sample vessel --resolution 60 --break crack -q -o crack.ply");
+    let (_, stderr) = place.expect(2, "fill crack.ply --initial flat.ply -o none.ply");
+    assert!(stderr.contains("does not begin with"), "{stderr}");
+    assert!(!place.names().contains("none.ply"));
+}
+
+#[test]
+fn the_tinted_picture_shows_the_source_and_a_legend() {
+    let place = Place::new();
+    place.expect(0, "sample column --resolution 60 --break disc -o in.ply");
+    let height = |flags: &str| {
+        place.expect(0, &format!("fill in.ply -o out.ply --picture p.png {flags}"));
+        let file = std::fs::File::open(place.path("p.png")).unwrap();
+        png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap().info().height
+    };
+    let (plain, tinted) = (height(""), height("--tint"));
+    // A row for the source, a few lines of words.
+    assert!((tinted - plain - 470) > 40 && tinted - plain - 470 < 400, "{plain} {tinted}");
+}
