@@ -101,6 +101,9 @@ pub struct HoleReport {
     pub sources: Vec<SourceReport>,
     /// The copies beyond their borders: what closes the seams of colours and other values.
     pub seams: Vec<Seam>,
+    /// The copies on the known ring around the hole, at some hundreds of its vertices: whether they have
+    /// there what is known says how far to believe the rest of what they carry.
+    pub ring: Vec<Seam>,
     /// 0 to 1, see [`Origin::confidence`]; 0 for a smooth fill.
     pub confidence: f64,
     /// Coherence error (Harary et al. 2014, Eq. 3, root mean square, in mesh units) of the initial

@@ -25,7 +25,7 @@ use crate::options::{Appearance, Sizing, Sources};
 use crate::progress::Pace;
 use crate::result::{Origin, Seam, SourceReport};
 use crate::synthesis::domain::{Domain, Extent};
-use crate::synthesis::join::{join, places_beside};
+use crate::synthesis::join::{join, places_beside, places_on_ring};
 use crate::synthesis::project::Place;
 use crate::synthesis::resemblance::coherence_error;
 use crate::synthesis::view::{look, View};
@@ -280,13 +280,14 @@ fn tell(
         }
     };
     let origins: Vec<Origin> = labels.iter().enumerate().map(origin).collect();
-    let seam = |(v, label, at): (usize, (usize, usize), Place)| Seam {
-        vertex: v as u32,
+    let seam = |(v, label, at): (u32, (usize, usize), Place)| Seam {
+        vertex: v,
         source: place(label),
         face: source.face_ids[at.face as usize],
         barycentric: at.barycentric,
     };
     let seams = places_beside(domain, views, labels).map(seam).collect();
+    let ring = places_on_ring(views, labels).map(seam).collect();
     let mut used = vec![0; all.len()];
     labels.iter().flatten().for_each(|&l| used[place(l) as usize] += 1);
     let sources = all
@@ -301,5 +302,5 @@ fn tell(
         .collect();
     let confidence =
         origins.iter().map(|o| o.confidence).sum::<f64>() / origins.len().max(1) as f64;
-    Story { origins, sources, seams, confidence, coherence_error: None }
+    Story { origins, sources, seams, ring, confidence, coherence_error: None }
 }

@@ -360,6 +360,7 @@ impl<'a> Completer<'a> {
                     if let Some(story) = fill.story {
                         report.sources = story.sources;
                         report.seams = story.seams;
+                        report.ring = story.ring;
                         report.confidence = story.confidence;
                     }
                     report.seconds = seconds;
@@ -391,6 +392,7 @@ fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
         fairing: Fairing::Auto,
         sources: Vec::new(),
         seams: Vec::new(),
+        ring: Vec::new(),
         confidence: 0.0,
         coherence_error: None,
         vertices: 0..0,
@@ -426,6 +428,8 @@ fn append(
     out.faces.extend(fill.patch.triangles.iter().map(|t| t.map(index)));
     let seams = fill.story.iter_mut().flat_map(|s| &mut s.seams);
     seams.for_each(|s| s.vertex = index(s.vertex));
+    let ring = fill.story.iter_mut().flat_map(|s| &mut s.ring);
+    ring.for_each(|s| s.vertex = near.vertices[s.vertex as usize]);
     out.face_hole.resize(out.faces.len(), hole as u32);
     Ok(new.len())
 }

@@ -93,6 +93,8 @@ pub struct Story {
     pub sources: Vec<SourceReport>,
     /// See [`crate::HoleReport::seams`]; vertices are the patch's.
     pub seams: Vec<Seam>,
+    /// See [`crate::HoleReport::ring`]; vertices are the neighbourhood's.
+    pub ring: Vec<Seam>,
     /// See [`crate::HoleReport::confidence`].
     pub confidence: f64,
     /// See [`crate::HoleReport::coherence_error`].

@@ -115,12 +115,15 @@ impl<'a> Patch<'a> {
         exemplar: Option<&'a Document>,
     ) -> Self {
         let mut patch = Self::new(completion);
-        let seams = completion.holes.iter().flat_map(|h| h.seams.iter().map(|s| s.face));
+        let seams = completion.holes.iter().flat_map(|h| h.seams.iter().chain(&h.ring));
+        let seams = seams.map(|s| s.face);
+        let ring = completion.holes.iter().flat_map(|h| h.ring.iter());
         let mut used: Vec<u32> = completion.origins.iter().map(|o| o.face).chain(seams).collect();
         used.sort_unstable();
         used.dedup();
         used.retain(|&f| (f as usize) < faces.len());
         patch.known.extend(used.iter().flat_map(|&f| faces.get(f as usize)));
+        patch.known.extend(ring.map(|s| s.vertex));
         patch.known.sort_unstable();
         patch.known.dedup();
         Self { faces: Some(faces), exemplar, ..patch }
@@ -362,6 +365,8 @@ struct KnownRows<'a> {
     /// Of the exemplar, by its vertices.
     others: Vec<f64>,
     ranges: Vec<[f64; 2]>,
+    /// Whether a column is a colour's, but not its first.
+    of_colour: Vec<bool>,
 }
 
 impl<'a> KnownRows<'a> {
@@ -390,7 +395,9 @@ impl<'a> KnownRows<'a> {
             let range = &mut ranges[i % width];
             *range = [range[0].min(x), range[1].max(x)];
         }
-        Self { patch, width, rows, others, ranges }
+        let is_colour = |c: usize| columns[chosen[c]].colour.is_some();
+        let of_colour = (0..width).map(|c| c > 0 && is_colour(c) && is_colour(c - 1)).collect();
+        Self { patch, width, rows, others, ranges, of_colour }
     }
 
     fn row(&self, v: u32) -> Option<&[f64]> {
@@ -402,6 +409,10 @@ impl<'a> KnownRows<'a> {
 impl Known for KnownRows<'_> {
     fn channels(&self) -> usize {
         self.width
+    }
+
+    fn goes_with_last(&self, channel: usize) -> bool {
+        self.of_colour[channel]
     }
 
     fn vertex(&self, vertex: u32) -> &[f64] {
@@ -552,10 +563,10 @@ mod tests {
 
     #[test]
     fn integers_are_labels_unless_their_name_says_more() {
-        assert_eq!(Blend::of("red", true), Blend::Smooth);
-        assert_eq!(Blend::of("diffuse_Blue", true), Blend::Smooth);
-        assert_eq!(Blend::of("scalar_intensity", true), Blend::Smooth);
+        assert_eq!(Blend::of("red", true), Blend::Copied);
+        assert_eq!(Blend::of("diffuse_Blue", true), Blend::Copied);
+        assert_eq!(Blend::of("scalar_intensity", true), Blend::Copied);
         assert_eq!(Blend::of("segment", true), Blend::Nearest);
-        assert_eq!(Blend::of("segment", false), Blend::Smooth);
+        assert_eq!(Blend::of("segment", false), Blend::Copied);
     }
 }

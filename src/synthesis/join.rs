@@ -17,6 +17,9 @@ use super::view::View;
 /// holes.
 const SPLIT: f64 = 0.11;
 
+/// Vertices of a ring that are reported, at most about.
+const SEEN: usize = 500;
+
 /// The joined surface.
 pub struct Joined {
     /// Height of each fill vertex.
@@ -86,7 +89,7 @@ pub fn places_beside<'a>(
     domain: &Domain,
     views: &'a [View<'_>],
     labels: &[Option<(usize, usize)>],
-) -> impl Iterator<Item = (usize, (usize, usize), Place)> + 'a {
+) -> impl Iterator<Item = (u32, (usize, usize), Place)> + 'a {
     let first = domain.fill.start;
     let mut wanted = Vec::new();
     for v in domain.fill.clone() {
@@ -108,6 +111,24 @@ pub fn places_beside<'a>(
         .collect();
     wanted.into_iter().filter_map(move |(v, (w, k))| {
         let place = views[w].copies[k].places.get(own[w][v] as usize)?.as_ref()?;
-        Some((v, (w, k), *place))
+        Some((v as u32, (w, k), *place))
+    })
+}
+
+/// Where the copies that gave anything lie on the known rings around their windows. Vertex of the
+/// neighbourhood, copy, place; sorted.
+pub fn places_on_ring<'a>(
+    views: &'a [View<'_>],
+    labels: &[Option<(usize, usize)>],
+) -> impl Iterator<Item = (u32, (usize, usize), Place)> + 'a {
+    let mut used: Vec<(usize, usize)> = labels.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    used.into_iter().flat_map(move |(w, k)| {
+        let domain = &views[w].window.domain;
+        let step = domain.ring.len().div_ceil(SEEN).max(1);
+        let at =
+            move |&v: &usize| Some((domain.near_vertex(v), (w, k), views[w].copies[k].places[v]?));
+        domain.ring.iter().step_by(step).filter_map(at)
     })
 }
