@@ -28,6 +28,7 @@ mod edit;
 mod error;
 mod obj;
 mod obj_corners;
+mod obj_texture;
 mod off;
 mod ply;
 mod polygon;
@@ -217,6 +218,22 @@ impl Document {
         Self::parse(bytes, Format::Ply)
     }
 
+    /// The same with a colour for each vertex: red, green, blue, alpha.
+    pub fn from_painted_mesh_f32(
+        vertices: &[[f32; 3]],
+        faces: &[[u32; 3]],
+        colours: &[[u8; 4]],
+    ) -> Result<Document, IoError> {
+        if colours.len() != vertices.len() {
+            let (n, m) = (colours.len(), vertices.len());
+            return Err(IoError::Mismatch { reason: format!("{n} colours for {m} vertices") });
+        }
+        let corners = faces.iter().map(|f| &f[..]);
+        let colours = Some(colours);
+        let bytes = ply::from_polygons(vertices.into(), true, colours, faces.len(), 3, corners);
+        Self::parse(bytes, Format::Ply)
+    }
+
     /// The same in double precision.
     pub fn from_mesh_f64(
         vertices: Vec<[f64; 3]>,
@@ -367,6 +384,9 @@ impl Document {
         let finite = |x: &f64| if single { (*x as f32).is_finite() } else { x.is_finite() };
         if let Some(v) = completion.vertices.iter().position(|p| !p.iter().all(finite)) {
             return mismatch(format!("its vertex {v} is not finite"));
+        }
+        if completion.holes.iter().any(|h| h.ring.iter().any(|s| s.vertex as usize >= counts[0])) {
+            return mismatch("its ring names a vertex that there is not".into());
         }
         match completion.faces.iter().position(|f| f.iter().any(|&v| v as usize >= total)) {
             Some(f) => mismatch(format!("its face {f} names a vertex beyond {total}")),

@@ -4,6 +4,7 @@ use super::attributes::{Blend, Column, Patch};
 use super::edit::Edit;
 use super::error::{Fault, IoError, Parsed};
 use super::obj_corners::Corners;
+use super::obj_texture::Sourced;
 use super::polygon::{Triangles, MAX_CORNERS};
 use super::text::{coordinate, fits_single, line_end, parse, push_real, show, words, Line, Lines};
 use super::{Mesh, Positions};
@@ -209,8 +210,10 @@ pub(super) fn append(
         with.extend_from_slice(line_end);
     }
     write_points(&mut with, bytes, mesh, completion, patch, line_end);
-    let corners = Corners::write_values(&mut with, bytes, mesh, completion, patch, line_end);
-    write_faces(&mut with, bytes, mesh, completion, patch, &corners, line_end);
+    let sourced = Sourced::new(completion, mesh.triangles.faces.len());
+    let corners =
+        Corners::write_values(&mut with, bytes, mesh, completion, patch, &sourced, line_end);
+    write_faces(&mut with, bytes, mesh, patch, (&sourced, &corners), line_end);
     Ok(vec![Edit { at: bytes.len()..bytes.len(), with }])
 }
 
@@ -257,6 +260,7 @@ fn write_points(
 /// The lines in force at a face: object, group, material, smoothing.
 type State<'a> = [&'a [u8]; 4];
 const STATE_WORDS: [&[u8]; 4] = [b"o", b"g", b"usemtl", b"s"];
+const MATERIAL: usize = 2;
 
 /// The states at the given faces (sorted), and at the end of the file.
 fn states<'a>(bytes: &'a [u8], faces: &[usize]) -> (Vec<State<'a>>, State<'a>) {
@@ -280,20 +284,31 @@ fn write_faces(
     out: &mut Vec<u8>,
     bytes: &[u8],
     mesh: &Mesh,
-    completion: &Completion,
     patch: &Patch<'_>,
-    corners: &Corners<'_>,
+    (sourced, corners): (&Sourced, &Corners<'_>),
     line_end: &[u8],
 ) {
     let templates = patch.templates(mesh.triangles.view());
-    let face_of = |t: &Option<u32>| t.map(|t| mesh.triangles.face_of(t as usize));
-    let mut wanted: Vec<usize> = templates.iter().filter_map(face_of).collect();
+    let face_of = |t: Option<u32>| t.map(|t| mesh.triangles.face_of(t as usize));
+    let faces = &patch.completion().faces;
+    // The material is the source's, the rest the neighbours'.
+    let beside: Vec<Option<usize>> = templates.iter().map(|t| face_of(*t)).collect();
+    let copied: Vec<Option<usize>> =
+        (0..faces.len()).map(|f| face_of(sourced.triangle(f))).collect();
+    let mut wanted: Vec<usize> = beside.iter().chain(&copied).flatten().copied().collect();
     wanted.sort_unstable();
     wanted.dedup();
     let (found, mut current) = states(bytes, &wanted);
-    for (f, (face, template)) in completion.faces.iter().zip(&templates).enumerate() {
-        let at = face_of(template).and_then(|f| wanted.binary_search(&f).ok());
-        let state = at.and_then(|i| found.get(i)).copied().unwrap_or(current);
+    let state_of = |face: Option<usize>| {
+        let at = face.and_then(|f| wanted.binary_search(&f).ok());
+        at.and_then(|i| found.get(i)).copied()
+    };
+    let mut told = false;
+    for f in 0..faces.len() {
+        let mut state = state_of(beside[f]).unwrap_or(current);
+        if let Some(source) = state_of(copied[f]) {
+            state[MATERIAL] = source[MATERIAL];
+        }
         for (now, then) in current.iter_mut().zip(state) {
             // What was not set at the template cannot be unset.
             if *now != then && !then.is_empty() {
@@ -302,8 +317,14 @@ fn write_faces(
                 *now = then;
             }
         }
+        if told != corners.lacks_source(f) {
+            told = !told;
+            let said: &[u8] = if told { b"# without a source" } else { b"# with a source" };
+            out.extend_from_slice(said);
+            out.extend_from_slice(line_end);
+        }
         out.push(b'f');
-        face.iter().for_each(|&v| corners.write(out, f, v));
+        (0..3).for_each(|k| corners.write(out, f, k));
         out.extend_from_slice(line_end);
     }
 }

@@ -11,3 +11,4 @@ mod provenance;
 mod random;
 mod sources;
 mod surfaces;
+mod texture;
