@@ -161,9 +161,12 @@ impl<'a> Patch<'a> {
             let is_of = |c: &Column| (c.colour.is_some() && colours.is_some()) == of_colour;
             let of_kind = |&c: &usize| blends[c] == Blend::Copied && is_of(&columns[c]);
             let chosen: Vec<usize> = (0..width).filter(of_kind).collect();
+            if chosen.is_empty() {
+                continue;
+            }
             let known = KnownRows::new(self, rows, columns, &chosen, colours.as_deref());
             let Some(made) = complete_rows(self.completion, &known) else { continue };
-            for (i, row) in made.chunks_exact(chosen.len().max(1)).enumerate() {
+            for (i, row) in made.chunks_exact(chosen.len()).enumerate() {
                 if copied_from[self.completion.vertex_hole[i] as usize] {
                     chosen.iter().zip(row).for_each(|(c, x)| values[i * width + c] = *x);
                 }

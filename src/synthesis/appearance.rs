@@ -354,3 +354,41 @@ impl Appearance {
         complete_rows(completion, &known).unwrap_or_else(zeros)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// α for what is known and what a copy has, each a function of the vertex' number.
+    fn alpha(known: impl Fn(f64) -> f64, copied: impl Fn(f64) -> f64) -> f64 {
+        let rows = |f: &dyn Fn(f64) -> f64| -> Vec<[f64; 1]> {
+            (0..200).map(|i| [f(f64::from(i))]).collect()
+        };
+        let (a, b) = (rows(&known), rows(&copied));
+        let (a, b): (Vec<&[f64]>, Vec<&[f64]>) =
+            (a.iter().map(|r| &r[..]).collect(), b.iter().map(|r| &r[..]).collect());
+        trust(&a, &b, 0..1, &[[0.0, 1.0]])
+    }
+
+    #[test]
+    fn copies_are_believed_as_the_ring_bears_them_out() {
+        let stripes = |i: f64| 0.5 + 0.4 * (0.3 * i).sin();
+        let other = |i: f64| 0.5 + 0.4 * (0.47 * i).cos();
+        assert_eq!(alpha(stripes, stripes), 1.0);
+        // Another mean is corrected from the rim.
+        assert_eq!(alpha(stripes, |i| stripes(i) - 0.3), 1.0);
+        assert!(alpha(stripes, other) < 0.05, "{}", alpha(stripes, other));
+        assert!(alpha(stripes, |i| 1.0 - stripes(i)) < 1e-9, "the opposite");
+        let half = alpha(stripes, |i| 0.6 * stripes(i) + 0.4 * other(i));
+        assert!(half > 0.3 && half < 1.0, "{half}");
+    }
+
+    /// A grey ring says nothing against a twin that is as grey, give or take what nobody sees; it does
+    /// against stripes.
+    #[test]
+    fn noise_is_no_difference() {
+        let noise = |i: f64| 0.5 + 0.005 * (1.7 * i * i).sin();
+        assert_eq!(alpha(noise, |i| noise(i + 7.0)), 1.0);
+        assert!(alpha(noise, |i| 0.5 + 0.4 * (0.3 * i).sin()) < 1e-9);
+    }
+}

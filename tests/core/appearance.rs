@@ -93,10 +93,21 @@ fn a_broken_part_gets_the_colours_of_its_twin() {
     assert!(most < 0.5, "the same byte: {most}");
 }
 
-/// The same from an exemplar; without its colours there is nothing to copy.
+/// The same from an exemplar, also from a mirrored one; without its colours there is nothing to copy.
 #[test]
 fn an_exemplar_gives_its_colours() {
-    let (whole, broken, turn, to) = twins();
+    for mirrored in [false, true] {
+        from_exemplar(mirrored);
+    }
+}
+
+fn from_exemplar(mirrored: bool) {
+    let (mut whole, broken, turn, to) = twins();
+    let unflip = DVec3::new(if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0);
+    if mirrored {
+        whole.vertices.iter_mut().for_each(|p| p[0] = -p[0]);
+        whole.faces.iter_mut().for_each(|f| f.swap(1, 2));
+    }
     let truth = |p: DVec3| linear(turn.transpose() * (p - to));
     let twin = Exemplar { vertices: whole.vertices.clone(), faces: whole.faces.clone() };
     let sources =
@@ -104,7 +115,7 @@ fn an_exemplar_gives_its_colours() {
     let mut values = painted(&broken, &truth, 3);
     let (made, plain) = fill(&broken, &values, sources.clone());
     let (_, without) = off(&made, &plain, &truth);
-    values.exemplar_values = painted(&whole, &linear, 3).values;
+    values.exemplar_values = painted(&whole, &|p| linear(p * unflip), 3).values;
     let (made, found) = fill(&broken, &values, sources);
     let (mean, most) = off(&made, &found, &truth);
     println!("mean {mean:.2e}, most {most:.2e}, without the exemplar's colours {without:.2e}");
@@ -234,6 +245,36 @@ fn files_get_the_same_values() {
             assert!((row[3 + c] - wanted[c]).abs() <= 0.5 + 1e-6, "{row:?} {wanted:?}");
         }
         assert!((row[6] - wanted[3]).abs() < 1e-6, "{row:?} {wanted:?}");
+    }
+}
+
+/// Nothing of a part that may not be copied from gets into the fill.
+#[test]
+fn forbidden_colours_stay_away() {
+    let mesh = lathe(false);
+    let marked = |p: DVec3| {
+        let mark = if p.x < 0.0 { 1.0 } else { 0.0 };
+        [&pattern(false)(p)[..], &[mark]].concat()
+    };
+    let values = painted(&mesh, &marked, 3);
+    let may = |f: &[u32; 3]| f.iter().all(|&v| mesh.vertices[v as usize][0] > 0.1);
+    let faces: Arc<[bool]> = mesh.faces.iter().map(may).collect();
+    let sources = Sources { faces: Some(faces.clone()), ..Sources::default() };
+    let list = find_holes(mesh.view(), &Grouping::Separate, &Monitor::silent()).unwrap();
+    let inner = list.holes.iter().min_by(|a, b| a.circumference.total_cmp(&b.circumference));
+    let options = Options {
+        grouping: Grouping::Separate,
+        selection: complete_mesh::Selection::Ids(vec![inner.unwrap().id]),
+        appearance: Some(Arc::new(values.clone())),
+        sources,
+        ..Options::default()
+    };
+    let made = complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap();
+    let found = values.complete((&mesh.faces[..]).into(), None, &made);
+    assert!(made.origins.iter().any(|o| o.confidence > 0.0));
+    for (row, origin) in found.chunks_exact(4).zip(&made.origins) {
+        assert!(row[3].abs() < 1e-9, "{row:?}");
+        assert!(faces.get(origin.face as usize).copied().unwrap_or(true), "{origin:?}");
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::appearance::{fill_inner, lathe, painted, pattern};
 use crate::meshes::Mesh;
 use complete_mesh::io::{Document, Extras, Format};
-use complete_mesh::{Completion, NONE};
+use complete_mesh::{Completion, Origin};
 use std::fmt::Write;
 
 /// Where the wall's second chart begins, and how far off its texture coordinates are.
@@ -70,7 +70,7 @@ fn each_corner_takes_the_texture_of_its_place() {
     order.sort_by_key(|&f| middle(&wall, f) > SEAM);
     let mesh = Mesh { faces: order.iter().map(|&f| wall.faces[f]).collect(), ..wall };
     let made = fill_inner(&mesh, Some(painted(&mesh, &pattern(true), 3)));
-    assert!(made.origins.iter().all(|o| o.face != NONE));
+    assert!(made.origins.iter().all(|o| o.face != Origin::NOWHERE.face));
     let mut document = Document::parse(write_wall(&mesh).into_bytes(), Format::Obj).unwrap();
     document.append(&made, &Extras::default()).unwrap();
     let text = String::from_utf8(document.to_bytes()).unwrap();
