@@ -210,7 +210,8 @@ pub(super) fn append(
         with.extend_from_slice(line_end);
     }
     write_points(&mut with, bytes, mesh, completion, patch, line_end);
-    let sourced = Sourced::new(completion, mesh.triangles.faces.len());
+    let vertices = mesh.positions.view(bytes);
+    let sourced = Sourced::new(completion, vertices, mesh.triangles.faces.len());
     let corners =
         Corners::write_values(&mut with, bytes, mesh, completion, patch, &sourced, line_end);
     write_faces(&mut with, bytes, mesh, patch, (&sourced, &corners), line_end);

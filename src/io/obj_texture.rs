@@ -9,48 +9,98 @@
 use super::obj::{arguments, keyword, statements};
 use super::text::parse;
 use super::Mesh;
+use crate::mesh::VertexView;
 use crate::result::{Completion, NONE};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// A place on the source: a triangle of the mesh and the weights of its corners.
 type Place = (u32, [f64; 3]);
 
-/// What the fill's faces take from their sources.
-pub(super) struct Sourced {
-    /// Of each new face the places of its corners, all of one source.
-    places: Vec<Option<[Place; 3]>>,
+/// Where the corners of a new face lie on one source.
+struct OnSource {
+    /// The first corner that has a place, and which it is.
+    first: Place,
+    /// `Err`: none is known, and this is where the copy's motion takes the corner.
+    corners: [Result<Place, [f64; 3]>; 3],
 }
 
-impl Sourced {
-    /// Of a completion. Places on an exemplar are left out: it is another file, of another image.
-    pub fn new(completion: &Completion, triangles: usize) -> Self {
-        let mut beside = HashMap::new();
+/// What the fill's faces take from their sources.
+pub(super) struct Sourced {
+    faces: Vec<Option<OnSource>>,
+}
+
+/// The places on the sources of a completion.
+struct Places<'a> {
+    completion: &'a Completion,
+    vertices: VertexView<'a>,
+    triangles: usize,
+    /// By vertex, hole and source.
+    beside: BTreeMap<[u32; 3], Place>,
+}
+
+impl<'a> Places<'a> {
+    fn new(completion: &'a Completion, vertices: VertexView<'a>, triangles: usize) -> Self {
+        let mut beside = BTreeMap::new();
         for hole in &completion.holes {
             for s in &hole.seams {
                 beside.insert([s.vertex, hole.hole as u32, s.source], (s.face, s.barycentric));
             }
         }
-        let input = completion.input_vertex_count as u32;
-        let origin = |v: u32| Some(completion.origins[v.checked_sub(input)? as usize]);
-        let place = |v: u32, hole: u32, source: u32| {
-            let own = origin(v).filter(|o| o.source == source && o.face != NONE);
-            let place = own.map(|o| (o.face, o.barycentric));
-            let place = place.or_else(|| beside.get(&[v, hole, source]).copied());
-            place.filter(|p| (p.0 as usize) < triangles)
-        };
-        let of_face = |(face, &hole): (&[u32; 3], &u32)| {
-            face.iter().filter_map(|&v| origin(v)).filter(|o| o.source != NONE).find_map(|o| {
-                let [a, b, c] = face.map(|v| place(v, hole, o.source));
-                Some([a?, b?, c?])
+        Self { completion, vertices, triangles, beside }
+    }
+
+    fn new_vertex(&self, v: u32) -> Option<usize> {
+        (v as usize).checked_sub(self.completion.input_vertex_count)
+    }
+
+    /// Places on an exemplar are left out: it is another file, of another image.
+    fn at(&self, v: u32, hole: u32, source: u32) -> Option<Place> {
+        let own = self.new_vertex(v).map(|i| &self.completion.origins[i]);
+        let own = own.filter(|o| o.source == source && o.face != NONE);
+        let place = own.map(|o| (o.face, o.barycentric));
+        let place = place.or_else(|| self.beside.get(&[v, hole, source]).copied());
+        place.filter(|p| (p.0 as usize) < self.triangles)
+    }
+
+    /// The sources of a vertex: its own, then those beside it.
+    fn sources(&self, v: u32, hole: u32) -> impl Iterator<Item = u32> + '_ {
+        let own = self.new_vertex(v).map(|i| self.completion.origins[i].source);
+        let beside = self.beside.range([v, hole, 0]..=[v, hole, NONE]).map(|(key, _)| key[2]);
+        own.into_iter().filter(|&s| s != NONE).chain(beside)
+    }
+
+    fn of_face(&self, face: [u32; 3], hole: u32) -> Option<OnSource> {
+        let report = self.completion.holes.iter().find(|h| h.hole as u32 == hole)?;
+        let all = || face.iter().flat_map(|&v| self.sources(v, hole));
+        let whole = all().find(|&s| face.iter().all(|&v| self.at(v, hole, s).is_some()));
+        let source = whole.or_else(|| all().next())?;
+        let back = report.sources.get(source as usize)?.transform.inverse();
+        let corners = face.map(|v| {
+            self.at(v, hole, source).ok_or_else(|| {
+                let p = match self.new_vertex(v) {
+                    Some(i) => self.completion.vertices[i],
+                    None => self.vertices.get(v as usize),
+                };
+                back.point(p.into()).to_array()
             })
-        };
-        let places = completion.faces.iter().zip(&completion.face_hole).map(of_face).collect();
-        Self { places }
+        });
+        let first = *corners.iter().find_map(|c| c.as_ref().ok())?;
+        Some(OnSource { first, corners })
+    }
+}
+
+impl Sourced {
+    /// Of a completion of a mesh with these vertices and so many triangles.
+    pub fn new(completion: &Completion, vertices: VertexView<'_>, triangles: usize) -> Self {
+        let places = Places::new(completion, vertices, triangles);
+        let holes = completion.face_hole.iter();
+        let of_face = |(face, &hole): (&[u32; 3], &u32)| places.of_face(*face, hole);
+        Self { faces: completion.faces.iter().zip(holes).map(of_face).collect() }
     }
 
     /// The triangle that a new face takes its material from.
     pub fn triangle(&self, face: usize) -> Option<u32> {
-        self.places.get(face)?.map(|p| p[0].0)
+        Some(self.faces.get(face)?.as_ref()?.first.0)
     }
 
     /// Texture coordinates of the corners of the new faces; `None` where there is no source, or none
@@ -61,11 +111,15 @@ impl Sourced {
             let p = mesh.triangles.faces[t as usize].map(|v| positions.get(v as usize));
             [0, 1, 2].map(|d| (0..3).map(|k| w[k] * p[k][d]).sum::<f64>())
         };
-        let of_face = |places: &Option<[Place; 3]>| {
-            let places = (*places)?;
-            let first = texture.corners(places[0].0, mesh)?;
-            let p = mesh.triangles.faces[places[0].0 as usize].map(|v| positions.get(v as usize));
-            Some(places.map(|place| {
+        let of_face = |face: &Option<OnSource>| {
+            let face = face.as_ref()?;
+            let first = texture.corners(face.first.0, mesh)?;
+            let p = mesh.triangles.faces[face.first.0 as usize].map(|v| positions.get(v as usize));
+            Some(face.corners.map(|corner| {
+                let place = match corner {
+                    Ok(place) => place,
+                    Err(at) => return first.at(extended(&p, at)),
+                };
                 let continued = first.at(extended(&p, point(place)));
                 let own = texture.corners(place.0, mesh).filter(|c| c.chart == first.chart);
                 match own.map(|c| c.at(place.1)) {
@@ -74,7 +128,7 @@ impl Sourced {
                 }
             }))
         };
-        self.places.iter().map(of_face).collect()
+        self.faces.iter().map(of_face).collect()
     }
 }
 
