@@ -85,7 +85,11 @@ impl<'a> Completer<'a> {
     /// What coherent completions copy from, kept until other sources are asked for.
     fn library(&self, options: &Options) -> Result<Arc<Library>> {
         let (sources, appearance) = (&options.sources, &options.appearance);
-        let same = |k: &Key| k.0 == *sources && k.1 == *appearance;
+        let same_values = |kept: &Option<Arc<Appearance>>| match (kept, appearance) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let same = |k: &Key| k.0 == *sources && same_values(&k.1);
         let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, library)) = kept.as_ref().filter(|k| same(&k.0)) {
             return Ok(library.clone());

@@ -91,6 +91,7 @@ static void values(int mirrored) {
   complete_mesh_result *result;
   const double *got;
   const float *p;
+  const uint32_t *faces;
   size_t i;
   int k;
   for (i = 0; i < VERTICES; ++i)
@@ -104,9 +105,12 @@ static void values(int mirrored) {
   if (!CHECK(status == COMPLETE_MESH_STATUS_OK)) return;
   got = complete_mesh_result_new_vertex_values(result);
   p = (const float *)complete_mesh_result_new_vertices(result);
+  faces = complete_mesh_result_new_vertex_source_faces(result);
   CHECK(got != NULL);
   for (i = 0; FINE && got && i < complete_mesh_result_new_vertex_count(result); ++i)
-    for (k = 0; k < 2; ++k) CHECK(fabs(got[2 * i + k] - p[3 * i + 2 * k]) < 0.03);
+    /* a hole of a few vertices stays smooth: values from its rim */
+    for (k = 0; k < 2 && faces[i] != UINT32_MAX; ++k)
+      CHECK(fabs(got[2 * i + k] - p[3 * i + 2 * k]) < 0.03);
   complete_mesh_result_free(result);
   opts.vertex_values = opts.exemplar_values = NULL;
   opts.value_channels = opts.steering_channels = 0;

@@ -75,9 +75,14 @@ void check_exemplar(bool mirrored, bool unmirrored) {
     const auto got = painted.new_vertex_values();
     CHECK(!got.empty() && got.size() == 2 * points.size());
     double off = 0;
-    for (std::size_t i = 0; i < points.size(); ++i)
+    std::size_t copied = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      // a hole of a few vertices stays smooth: values from its rim
+      if (painted.new_vertex_source_faces()[i] == mc::none) continue;
+      ++copied;
       off = std::max({off, std::abs(got[2 * i] - points[i][0]), std::abs(got[2 * i + 1] - points[i][2])});
-    CHECK(off < 0.03);
+    }
+    CHECK(off < 0.03 && copied > points.size() / 2);
   }
   // the exemplar has no colours: the rim's are taken
   const mc::Carrier carrier(result);
