@@ -13,22 +13,42 @@ def painted(vertices):
     return 0.5 + 0.1 * rows
 
 
-def test_an_exemplar_gives_its_values(broken):
-    vertices, faces = broken
+def twin(vertices, **more):
     intact = column(windows=())
-    options = {
+    return {
         "exemplar_vertices": intact[0][:, [2, 0, 1]] + [5, 6, 7],
         "exemplar_faces": intact[1],
         "exemplar_only": True,
-        "vertex_values": painted(vertices),
-        "exemplar_values": painted(intact[0]),
-        "steering_channels": 3,
-    }
+    } | more
+
+
+def test_rows_belong_to_their_vertices(broken):
+    vertices, faces = broken
+    rows = painted(vertices)
+    rows = np.column_stack([rows, 7 - 2 * rows[:, 3]])
+    options = {"vertex_values": rows, "steering_channels": 3}
     result = complete_mesh(vertices, faces, **options)
-    assert result.new_vertex_values.shape == (len(result.new_vertices), 4)
-    assert np.abs(result.new_vertex_values - painted(result.new_vertices)).max() < 2e-3
+    values = result.new_vertex_values
+    assert values.shape == (len(result.new_vertices), 5)
+    assert np.abs(values[:, 4] - (7 - 2 * values[:, 3])).max() < 1e-6
+    # From the rim or from where the same is known around: never far from what belongs there.
+    spread = np.ptp(painted(vertices)[:, :3], axis=0)
+    assert (np.abs(values[:, :3] - painted(result.new_vertices)[:, :3]).max(axis=0) < 0.1 * spread).all()
     again = Completer(vertices, faces).complete(**options)
-    assert same(again.new_vertex_values, result.new_vertex_values)
+    assert same(again.new_vertex_values, values)
+
+
+def test_an_exemplar_gives_its_values(broken):
+    vertices, faces = broken
+    options = twin(vertices, vertex_values=np.full(len(vertices), 0.5))
+    plain = complete_mesh(vertices, faces, **options)
+    assert np.abs(plain.new_vertex_values - 0.5).max() < 1e-9
+    brighter = np.full(len(options["exemplar_vertices"]), 0.8)
+    result = complete_mesh(vertices, faces, **options, exemplar_values=brighter)
+    # At the rim what is known there, farther in what the twin has.
+    assert 0.5 < result.new_vertex_values.min() and 0.55 < result.new_vertex_values.max() <= 0.8
+    with pytest.raises(ValueError, match="exemplar_values"):
+        complete_mesh(vertices, faces, **options, exemplar_values=brighter[1:])
 
 
 def test_values_without_a_source_stay_between_those_of_the_rim(broken):
