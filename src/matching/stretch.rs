@@ -68,11 +68,11 @@ fn find_pairs(
     hints: &mut [u32],
 ) -> Vec<Pair> {
     let mut pairs = Vec::with_capacity(ring.len());
-    for (&(p, n), hint) in ring.iter().zip(hints) {
+    for (&(p, n, _), hint) in ring.iter().zip(hints) {
         let (place, now) = (base.point(p), back.point(p));
         // A strain of some per cent turns normals by less than what the test lets pass.
         let n = base.direction(n);
-        if let Some((q, m)) = find_partner(source, now, Partner::Surface, radius, hint) {
+        if let Some((q, m, ..)) = find_partner(source, now, Partner::Surface, radius, hint) {
             if n.dot(m) > AGREE {
                 let (gap, whole_gap) = ((q - now).dot(m), (q - place).dot(m));
                 pairs.push(Pair { place, normal: m, gap, whole_gap });
@@ -136,9 +136,9 @@ mod tests {
                 .map(|k| {
                     let (r, turn) = (0.3 + 0.05 * (k % 8) as f64, 0.1 * k as f64);
                     let (p, n) = hills(r * turn.cos(), r * turn.sin());
-                    (truth.point(p), truth.inverse().linear.transpose() * n)
+                    (truth.point(p), truth.inverse().linear.transpose() * n, 0.0)
                 })
-                .map(|(p, n)| (p, n.normalize()))
+                .map(|(p, n, tint)| (p, n.normalize(), tint))
                 .collect();
             let off = |t: &Rigid| {
                 let gap =
@@ -162,7 +162,7 @@ mod tests {
             .map(|k| {
                 let (r, turn) = (0.4 + 0.05 * (k % 5) as f64, 0.1 * k as f64);
                 let (p, n) = hills(r * turn.cos(), r * turn.sin());
-                (truth.point(p), truth.direction(n))
+                (truth.point(p), truth.direction(n), 0.0)
             })
             .collect();
         let same = stretch(&source, &ring, &truth, 20, 0.2, KEEP);
