@@ -9,6 +9,7 @@
 
 use super::domain::Domain;
 use super::view::View;
+use crate::error::Result;
 use glam::{DMat3, DVec3};
 
 /// Radius of a patch, in hole radii: a few vertices of a small hole, one feature of a large one.
@@ -24,7 +25,11 @@ const NOT_YET: usize = usize::MAX - 1;
 
 /// Root mean square difference of the fill from the nearest copy, patch by patch, in mesh units, over
 /// all windows. `heights`: of the fill vertices of the whole; infinite without any patch.
-pub fn coherence_error(views: &[View<'_>], heights: &dyn Fn(usize) -> f64) -> f64 {
+pub fn coherence_error(
+    views: &[View<'_>],
+    heights: &dyn Fn(usize) -> f64,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<f64> {
     let (mut square, mut count) = (0.0, 0);
     for view in views {
         let domain = &view.window.domain;
@@ -37,6 +42,7 @@ pub fn coherence_error(views: &[View<'_>], heights: &dyn Fn(usize) -> f64) -> f6
         domain.fill.clone().chain(domain.ring.iter().copied()).for_each(|v| reached[v] = NOT_YET);
         let step = domain.fill.len().div_ceil(MOST_PATCHES).max(1);
         for centre in domain.fill.clone().step_by(step) {
+            check()?;
             let patch = gather(domain, centre, &mut reached);
             let frame = Frame::new(domain, centre, &patch);
             let differences = view
@@ -50,10 +56,10 @@ pub fn coherence_error(views: &[View<'_>], heights: &dyn Fn(usize) -> f64) -> f6
             }
         }
     }
-    match count {
+    Ok(match count {
         0 => f64::INFINITY,
         _ => (square / count as f64).sqrt(),
-    }
+    })
 }
 
 /// The compared vertices around a centre that hang together with it.
