@@ -63,7 +63,7 @@ const OTHERS: [Case; 3] = [
     (Sample::Leg, Break::Ring, 150, 1.0),
 ];
 /// Moments of a call at which it is cancelled.
-const MOMENTS: u32 = 25;
+const MOMENTS: u32 = 8;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let given: Vec<String> = std::env::args().skip(1).collect();

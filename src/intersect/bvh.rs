@@ -89,6 +89,15 @@ struct Item {
     index: u32,
 }
 
+/// A tree whose triangles are not yet in its order.
+struct Sorted {
+    nodes: Vec<Node>,
+    /// In order.
+    items: Vec<Item>,
+    faces: Vec<u32>,
+    triangles: Vec<Triangle>,
+}
+
 impl Bvh {
     /// Builds the tree over all faces. Face indices must be below `positions.len()`.
     pub fn new(positions: &[DVec3], faces: &[[u32; 3]]) -> Self {
@@ -104,7 +113,7 @@ impl Bvh {
         faces: &[[u32; 3]],
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
-        let (nodes, items, _) = sort(numbered(positions, faces), check)?;
+        let Sorted { nodes, items, .. } = sort(numbered(positions, faces), check)?;
         // Made again in order: to move them about takes twice the room or, in place, ten times as long.
         let mut tree = Self {
             nodes,
@@ -123,10 +132,11 @@ impl Bvh {
 
     /// Builds the tree over pairs (face index, corners).
     pub fn from_triangles(triangles: impl Iterator<Item = (u32, Triangle)>) -> Self {
-        let Ok((nodes, mut items, (mut faces, mut triangles))) = sort(triangles, &|| Ok(())) else {
+        let Ok(mut sorted) = sort(triangles, &|| Ok(())) else {
             unreachable!("nobody asked to stop")
         };
-        put_in_order(&mut items, &mut faces, &mut triangles);
+        put_in_order(&mut sorted);
+        let Sorted { nodes, faces, triangles, .. } = sorted;
         Self { nodes, faces, triangles }
     }
 
@@ -302,12 +312,11 @@ fn line_parameter(origin: DVec3, direction: DVec3, t: &Triangle) -> Option<f64> 
     (u >= -slack && v >= -slack && u + v <= 1.0 + slack).then(|| e2.dot(q) / det)
 }
 
-/// The nodes over some triangles, the items in their order, and faces and corners as they came.
-#[expect(clippy::type_complexity, reason = "read in two places, both above")]
+/// Finds the order of some triangles, and the nodes over them.
 fn sort(
     triangles: impl Iterator<Item = (u32, Triangle)>,
     check: &dyn Fn() -> Result<()>,
-) -> Result<(Vec<Node>, Vec<Item>, (Vec<u32>, Vec<Triangle>))> {
+) -> Result<Sorted> {
     let count = triangles.size_hint().0;
     let (mut faces, mut all) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (face, triangle) in triangles {
@@ -323,12 +332,12 @@ fn sort(
     if !items.is_empty() {
         build_node(&mut nodes, &mut items, 0, &all, check)?;
     }
-    Ok((nodes, items, (faces, all)))
+    Ok(Sorted { nodes, items, faces, triangles: all })
 }
 
 /// Brings faces and triangles into the order of the items, in place. Follows the cycles of the
 /// permutation.
-fn put_in_order(items: &mut [Item], faces: &mut [u32], triangles: &mut [Triangle]) {
+fn put_in_order(Sorted { items, faces, triangles, .. }: &mut Sorted) {
     for start in 0..items.len() {
         let mut at = start;
         loop {

@@ -19,8 +19,25 @@ pub const KEEP: f64 = 0.85;
 const STILL: f64 = 5e-3;
 /// The same where partners are vertices, which decides only what is looked at closer.
 const ROUGHLY: f64 = 3e-2;
-/// No face.
+/// No face, no vertex.
 const NONE: u32 = u32::MAX;
+/// A point that has moved by less than this part of an edge since its partner was looked for keeps it.
+const KEPT: f64 = 0.4;
+/// Least barycentric coordinate of a point inside a face.
+const INSIDE: f64 = 1e-6;
+
+/// What is known of a ring point's partner from earlier steps.
+#[derive(Clone, Copy)]
+struct Hint {
+    /// A vertex or a face: the next is hardly farther.
+    found: u32,
+    /// Where the point was then, on the source.
+    of: DVec3,
+}
+
+impl Hint {
+    const NOTHING: Self = Self { found: NONE, of: DVec3::ZERO };
+}
 
 /// A known point of the ring with its normal.
 pub type RingPoint = (DVec3, DVec3);
@@ -52,8 +69,7 @@ pub fn align(
         Partner::Vertex => ROUGHLY,
         Partner::Surface => STILL,
     };
-    // The face of each point's last partner: the next is hardly farther.
-    let mut hints = vec![NONE; ring.len()];
+    let mut hints = vec![Hint::NOTHING; ring.len()];
     for _ in 0..steps {
         let step = improve(source, ring, &back, partner, radius, keep, &mut hints);
         let Some(step) = step else { break };
@@ -76,7 +92,7 @@ fn improve(
     partner: Partner,
     radius: f64,
     keep: f64,
-    hints: &mut [u32],
+    hints: &mut [Hint],
 ) -> Option<Rigid> {
     let mut pairs: Vec<(f64, DVec3, DVec3)> = Vec::with_capacity(ring.len());
     for (&(p, n), hint) in ring.iter().zip(hints) {
@@ -119,23 +135,35 @@ fn find_partner(
     p: DVec3,
     partner: Partner,
     radius: f64,
-    hint: &mut u32,
+    hint: &mut Hint,
 ) -> Option<(DVec3, DVec3)> {
+    let nearby = hint.found != NONE && p.distance(hint.of) < KEPT * source.edge;
     match partner {
         Partner::Vertex => {
-            let (v, d2) = source.points.nearest(p)?;
-            let v = v as usize;
-            let usable = d2 <= radius * radius && !source.on_boundary[v];
-            usable.then(|| (source.positions[v], source.normals[v]))
+            if !nearby {
+                let (v, d2) = source.points.nearest(p)?;
+                let usable = d2 <= radius * radius && !source.on_boundary[v as usize];
+                *hint = if usable { Hint { found: v, of: p } } else { Hint::NOTHING };
+            }
+            let v = hint.found as usize;
+            (hint.found != NONE).then(|| (source.positions[v], source.normals[v]))
         }
         Partner::Surface => {
             let mut most = radius * radius;
-            if *hint != NONE {
-                let corners = source.faces[*hint as usize].map(|v| source.positions[v as usize]);
-                most = most.min(closest_point_on_triangle(p, &corners).distance_squared(p));
+            if hint.found != NONE {
+                let corners =
+                    source.faces[hint.found as usize].map(|v| source.positions[v as usize]);
+                let point = closest_point_on_triangle(p, &corners);
+                let at = source.barycentric(hint.found, point);
+                // Inside its last face, or else another is likely nearer.
+                if nearby && at.iter().all(|&x| x > INSIDE) && !source.touches_boundary(hint.found)
+                {
+                    return Some((point, source.smooth_normal(hint.found, at)));
+                }
+                most = most.min(point.distance_squared(p));
             }
             let hit = source.tree.closest_point_within(p, most)?;
-            *hint = hit.face;
+            *hint = Hint { found: hit.face, of: p };
             if source.touches_boundary(hit.face) {
                 return None;
             }
@@ -154,7 +182,7 @@ pub fn misfit(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f6
         let most = 0.5 * radius;
         let (p, n) = (back.point(p), back.direction(n));
         let (gap, cosine) =
-            match find_partner(source, p, Partner::Vertex, radius, &mut NONE.clone()) {
+            match find_partner(source, p, Partner::Vertex, radius, &mut Hint::NOTHING.clone()) {
                 Some((q, m)) => ((q - p).dot(m).abs().min(most), n.dot(m)),
                 None => (most, 0.0),
             };
