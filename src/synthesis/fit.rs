@@ -217,6 +217,7 @@ fn apply(
     chosen: usize,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Option<Fitted>> {
+    check()?;
     let mut columns = mismatches(domain, copies, weight);
     let Some(factor) = energy.factor(unit * STIFFNESSES[chosen], weight) else { return Ok(None) };
     check()?;
