@@ -6,7 +6,7 @@
 //! time, so that a busy machine changes little.
 
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
-use complete_mesh::{Completer, Completion, Fairing, Monitor, Options};
+use complete_mesh::{Completer, Completion, Fairing, Method, Monitor, Options, Selection, Sizing};
 use cpu_time::ProcessTime;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::error::Error;
@@ -63,12 +63,12 @@ const OTHERS: [Case; 3] = [
     (Sample::Leg, Break::Ring, 150, 1.0),
 ];
 /// Moments of a call at which it is cancelled.
-const MOMENTS: u32 = 25;
+const MOMENTS: u32 = 8;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let given: Vec<String> = std::env::args().skip(1).collect();
-    println!("| sample | vertices | new | continued | CPU s | again | other fairing | peak MiB | progress | gap ms | cancel ms |");
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("| sample | vertices | new | continued | CPU s | again | one hole | fairing | density | after smooth | peak MiB | progress | gap ms | cancel ms |");
+    println!("|{}", "---|".repeat(14));
     if let [sample, kind, resolution, size] = &given[..] {
         let sample = Sample::ALL.into_iter().find(|s| s.name() == sample);
         let kind =
@@ -97,11 +97,20 @@ fn row((sample, kind, resolution, size): Case) -> Result<(), Box<dyn Error>> {
     let peak = (PEAK.load(Relaxed) - before) as f64 / (1 << 20) as f64;
     let (truth, gap) = log.read();
     let again = seconds(&completer, &first)?;
-    let other = seconds(&completer, &Options { fairing: Fairing::C1, ..first.clone() })?;
+    let one = Options { selection: Selection::Ids(vec![0]), ..first.clone() };
+    let fairing = Options { fairing: Fairing::C1, ..first.clone() };
+    let density = Options { sizing: Sizing::Scaled(0.8), ..first.clone() };
+    let one = seconds(&completer, &one)?;
+    let fairing = seconds(&completer, &fairing)?;
+    let density = seconds(&completer, &density)?;
+    drop(completer);
+    let completer = Completer::new(mesh.view(), &first.grouping, &Monitor::silent())?;
+    seconds(&completer, &Options { method: Method::Smooth, ..first.clone() })?;
+    let later = seconds(&completer, &first)?;
     drop(completer);
     let continued = made.holes.iter().filter(|h| !h.sources.is_empty()).count();
     println!(
-        "| {} {} {resolution} {size} | {} | {} | {continued} of {} | {:.2} | {again:.2} | {other:.2} | {peak:.0} | {truth:.1} | {gap:.0} | {:.0} |",
+        "| {} {} {resolution} {size} | {} | {} | {continued} of {} | {:.2} | {again:.2} | {one:.2} | {fairing:.2} | {density:.2} | {later:.2} | {peak:.0} | {truth:.1} | {gap:.0} | {:.0} |",
         sample.name(),
         kind.name(),
         mesh.vertices.len(),

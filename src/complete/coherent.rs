@@ -33,6 +33,7 @@ use crate::synthesis::view::{look, View};
 use crate::synthesis::window::{one_window, plan_windows, Window};
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::slice::from_ref;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Fewer new vertices than this have no room for detail.
@@ -172,13 +173,22 @@ fn once<T>(
     Ok(made)
 }
 
+/// Where sources are looked for.
+pub struct Search<'a> {
+    /// The object.
+    pub library: &'a Library,
+    /// The fill to look from, where that is not the one to be completed.
+    pub from: Option<&'a Fill>,
+    /// Threads to use.
+    pub threads: usize,
+}
+
 /// The coherent completion of a hole whose smooth completion is given. `Ok(None)`: nothing on the
 /// object serves.
 pub fn complete_hole(
     around: &Surroundings<'_>,
     fill: &Fill,
-    library: &Library,
-    threads: usize,
+    &Search { library, from, threads }: &Search<'_>,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<(Patch, Story)>> {
     if fill.patch.positions.len() < fill.patch.rim_count + LEAST {
@@ -199,14 +209,16 @@ pub fn complete_hole(
     let Some(whole) = one_window(&domain).filter(|_| !domain.is_slender()) else {
         let Some(narrow) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
         let windows = plan_windows(&narrow);
-        let views = scope.look_through(&windows)?;
-        return Ok(finish(&fill.patch, library.source(), &narrow, &views));
+        let views = scope.look_through(&windows, &windows)?;
+        return finish(&fill.patch, library.source(), &narrow, &views, &|| check(1.0));
     };
     let whole = [whole];
-    let views = scope.look_through(&whole)?;
-    let Some((patch, story)) = finish(&fill.patch, library.source(), &domain, &views) else {
-        return Ok(None);
-    };
+    let other = from.and_then(|fill| domain_of(&fill.patch, Extent::Whole));
+    let other = other.filter(|domain| !domain.is_slender()).and_then(|domain| one_window(&domain));
+    let views = scope.look_through(&whole, other.as_ref().map_or(&whole[..], from_ref))?;
+    let stop = || check(scope.first);
+    let made = finish(&fill.patch, library.source(), &domain, &views, &stop)?;
+    let Some((patch, story)) = made else { return Ok(None) };
     if views[0].doubt > 0.0 {
         return Ok(Some((patch, story)));
     }
@@ -215,7 +227,6 @@ pub fn complete_hole(
     if around.sizing == Sizing::Surroundings {
         take_density(&mut finer, &views[0], library.source());
     }
-    let stop = || check(scope.first);
     if !refine(&mut finer, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
         return Ok(Some((patch, story)));
     }
@@ -277,12 +288,12 @@ struct Scope<'a> {
 }
 
 impl Scope<'_> {
-    /// Searches for all windows and looks through each.
-    fn look_through<'w>(&self, windows: &'w [Window]) -> Result<Vec<View<'w>>> {
+    /// Searches from some windows and looks through others, as many, at what each found.
+    fn look_through<'w>(&self, windows: &'w [Window], from: &[Window]) -> Result<Vec<View<'w>>> {
         let (source, threads) = (self.library.source(), self.threads);
-        let rings: Vec<Vec<RingPoint>> = windows.iter().map(|w| w.domain.ring_points()).collect();
+        let rings: Vec<Vec<RingPoint>> = from.iter().map(|w| w.domain.ring_points()).collect();
         let targets: Vec<Target<'_>> =
-            windows.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
+            from.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
         let check = |part: f64| (self.check)(part * self.search);
         let found = self.library.candidates(&targets, threads, &check)?;
         let mut views = Vec::new();
@@ -322,9 +333,8 @@ impl Scope<'_> {
             look(&window, source, &transforms, roughness, self.threads, &stop)?
                 .into_iter()
                 .collect();
-        let Some((patch, mut story)) = finish(found, source, domain, &views) else {
-            return Ok(None);
-        };
+        let made = finish(found, source, domain, &views, &|| stop(1.0))?;
+        let Some((patch, mut story)) = made else { return Ok(None) };
         // What it was before is what it was before both looks.
         if let (Some(both), Some(first)) = (&mut story.coherence_error, error) {
             both[0] = first[0];
@@ -347,20 +357,21 @@ fn finish(
     source: &Source,
     domain: &Domain,
     views: &[View<'_>],
-) -> Option<(Patch, Story)> {
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Option<(Patch, Story)>> {
     if views.is_empty() {
-        return None;
+        return Ok(None);
     }
-    let joined = join(domain, views)?;
-    let before = coherence_error(views, &|_| 0.0);
-    let after = coherence_error(views, &|i| joined.heights[i]);
+    let Some(joined) = join(domain, views) else { return Ok(None) };
+    let before = coherence_error(views, &|_| 0.0, check)?;
+    let after = coherence_error(views, &|i| joined.heights[i], check)?;
     let mut patch = initial.clone();
     for (i, v) in domain.fill.clone().enumerate() {
         patch.positions[v] = domain.sheet.positions[v] + joined.heights[i] * domain.directions[v];
     }
     let coherence_error = Some([before, after]).filter(|e| e[0].is_finite());
     let story = tell(source, domain, views, &joined.labels);
-    Some((patch, Story { coherence_error, ..story }))
+    Ok(Some((patch, Story { coherence_error, ..story })))
 }
 
 /// Where each vertex comes from. `labels`: view and copy of each fill vertex.

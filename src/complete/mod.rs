@@ -20,7 +20,7 @@ pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
 use crate::result::{Completion, HoleReport, HoleStatus, Origin};
 use check::{Obstacles, Rounding};
-use coherent::{Cost, Library};
+use coherent::{Cost, Library, Search};
 use cpu_time::ProcessTime;
 use glam::DVec3;
 use initial::InitialFaces;
@@ -156,12 +156,13 @@ impl<'a> Completer<'a> {
         let incidence = Incidence::new(&near);
         let single = self.mesh.vertices.is_single();
         let initial = options.initial.as_ref().map(|i| InitialFaces::new(i, vertices));
+        let places = FacePlaces::new(&near, todo.len());
         let around = Surroundings {
             initial: initial.as_ref(),
             input_vertices: self.mesh.vertices.len(),
             near: &near,
             incidence: &incidence,
-            places: FacePlaces::new(&near, todo.len()),
+            places: &places,
             fairing: options.fairing,
             sizing: options.sizing,
             rounding: if single { Rounding::Single } else { Rounding::Double },
@@ -250,7 +251,13 @@ impl<'a> Completer<'a> {
             let making = self.making(fill);
             let library = self.library(options, &|part| late(making * part))?;
             let late = |part: f64| late(making + (1.0 - making) * part);
-            self.continue_fill(around, obstacles, fill, &library, threads, &late)?;
+            // Sources are looked for from the same fill whatever the options: what was found is kept.
+            let standard = match around.initial.is_some() || around.is_standard() {
+                true => None,
+                false => fill_hole(&around.standard(), &loops, obstacles, &|_| late(0.0))?.ok(),
+            };
+            let search = Search { library: &library, from: standard.as_ref(), threads };
+            self.continue_fill(around, obstacles, fill, &search, &late)?;
         }
         let seconds = clock.elapsed().as_secs_f64();
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
@@ -300,11 +307,10 @@ impl<'a> Completer<'a> {
         around: &Surroundings<'_>,
         obstacles: &Obstacles<'_>,
         fill: &mut Fill,
-        library: &Library,
-        threads: usize,
+        search: &Search<'_>,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<()> {
-        let made = coherent::complete_hole(around, fill, library, threads, check)?;
+        let made = coherent::complete_hole(around, fill, search, check)?;
         let Some((patch, story)) = made else { return Ok(()) };
         if let Ok(patch) = obstacles.settle(around, patch, &|| check(1.0))? {
             fill.coherence_error = story.coherence_error;

@@ -60,13 +60,25 @@ pub struct Surroundings<'a> {
     /// Its faces by vertex.
     pub incidence: &'a Incidence,
     /// Its faces by place.
-    pub places: FacePlaces,
+    pub places: &'a FacePlaces,
     /// The caller's choice of surface.
     pub fairing: Fairing,
     /// The caller's choice of size.
     pub sizing: Sizing,
     /// Precision of the result.
     pub rounding: Rounding,
+}
+
+impl Surroundings<'_> {
+    /// Whether the smooth fill is what comes out without options.
+    pub fn is_standard(&self) -> bool {
+        (self.fairing, self.sizing) == (Fairing::Auto, Sizing::Surroundings)
+    }
+
+    /// The same without options.
+    pub fn standard(&self) -> Self {
+        Self { initial: None, fairing: Fairing::Auto, sizing: Sizing::Surroundings, ..*self }
+    }
 }
 
 /// A finished fill. New vertices lie where the caller's precision puts them.

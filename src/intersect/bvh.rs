@@ -89,10 +89,22 @@ struct Item {
     index: u32,
 }
 
+/// A tree whose triangles are not yet in its order.
+struct Sorted {
+    nodes: Vec<Node>,
+    /// In order.
+    items: Vec<Item>,
+    faces: Vec<u32>,
+    triangles: Vec<Triangle>,
+}
+
 impl Bvh {
     /// Builds the tree over all faces. Face indices must be below `positions.len()`.
     pub fn new(positions: &[DVec3], faces: &[[u32; 3]]) -> Self {
-        Self::from_triangles(numbered(positions, faces))
+        match Self::new_checked(positions, faces, &|| Ok(())) {
+            Ok(tree) => tree,
+            Err(_) => unreachable!("nobody asked to stop"),
+        }
     }
 
     /// The same; asks `check` now and then whether to go on.
@@ -101,39 +113,31 @@ impl Bvh {
         faces: &[[u32; 3]],
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
-        Self::build(numbered(positions, faces), check)
+        let Sorted { nodes, items, .. } = sort(numbered(positions, faces), check)?;
+        // Made again in order: to move them about takes twice the room or, in place, ten times as long.
+        let mut tree = Self {
+            nodes,
+            faces: Vec::with_capacity(items.len()),
+            triangles: Vec::with_capacity(items.len()),
+        };
+        for (place, Item { index, .. }) in items.into_iter().enumerate() {
+            if place % CHECKED == 0 {
+                check()?;
+            }
+            tree.faces.push(index);
+            tree.triangles.push(faces[index as usize].map(|v| positions[v as usize]));
+        }
+        Ok(tree)
     }
 
     /// Builds the tree over pairs (face index, corners).
     pub fn from_triangles(triangles: impl Iterator<Item = (u32, Triangle)>) -> Self {
-        match Self::build(triangles, &|| Ok(())) {
-            Ok(tree) => tree,
-            Err(_) => unreachable!("nobody asked to stop"),
-        }
-    }
-
-    fn build(
-        triangles: impl Iterator<Item = (u32, Triangle)>,
-        check: &dyn Fn() -> Result<()>,
-    ) -> Result<Self> {
-        let count = triangles.size_hint().0;
-        let (mut faces, mut all) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for (face, triangle) in triangles {
-            if faces.len() % CHECKED == 0 {
-                check()?;
-            }
-            faces.push(face);
-            all.push(triangle);
-        }
-        let mut triangles = all;
-        let mut items = grid_centers(&triangles);
-        check()?;
-        let mut nodes = Vec::with_capacity(triangles.len());
-        if !items.is_empty() {
-            build_node(&mut nodes, &mut items, 0, &triangles, check)?;
-        }
-        put_in_order(&mut items, &mut faces, &mut triangles, check)?;
-        Ok(Self { nodes, faces, triangles })
+        let Ok(mut sorted) = sort(triangles, &|| Ok(())) else {
+            unreachable!("nobody asked to stop")
+        };
+        put_in_order(&mut sorted);
+        let Sorted { nodes, faces, triangles, .. } = sorted;
+        Self { nodes, faces, triangles }
     }
 
     /// Box of everything; [`Aabb::EMPTY`] without faces.
@@ -308,18 +312,33 @@ fn line_parameter(origin: DVec3, direction: DVec3, t: &Triangle) -> Option<f64> 
     (u >= -slack && v >= -slack && u + v <= 1.0 + slack).then(|| e2.dot(q) / det)
 }
 
-/// Brings faces and triangles into the order of the items, in place: copies of all of them are most of
-/// what a build takes. Follows the cycles of the permutation.
-fn put_in_order(
-    items: &mut [Item],
-    faces: &mut [u32],
-    triangles: &mut [Triangle],
+/// Finds the order of some triangles, and the nodes over them.
+fn sort(
+    triangles: impl Iterator<Item = (u32, Triangle)>,
     check: &dyn Fn() -> Result<()>,
-) -> Result<()> {
-    for start in 0..items.len() {
-        if start % CHECKED == 0 {
+) -> Result<Sorted> {
+    let count = triangles.size_hint().0;
+    let (mut faces, mut all) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for (face, triangle) in triangles {
+        if faces.len() % CHECKED == 0 {
             check()?;
         }
+        faces.push(face);
+        all.push(triangle);
+    }
+    let mut items = grid_centers(&all);
+    check()?;
+    let mut nodes = Vec::with_capacity(all.len());
+    if !items.is_empty() {
+        build_node(&mut nodes, &mut items, 0, &all, check)?;
+    }
+    Ok(Sorted { nodes, items, faces, triangles: all })
+}
+
+/// Brings faces and triangles into the order of the items, in place. Follows the cycles of the
+/// permutation.
+fn put_in_order(Sorted { items, faces, triangles, .. }: &mut Sorted) {
+    for start in 0..items.len() {
         let mut at = start;
         loop {
             let from = std::mem::replace(&mut items[at].index, at as u32) as usize;
@@ -331,7 +350,6 @@ fn put_in_order(
             at = from;
         }
     }
-    Ok(())
 }
 
 /// Appends the subtree over `items`, whose first entry has the number `first`; returns its box.

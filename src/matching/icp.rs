@@ -21,8 +21,26 @@ pub const KEEP: f64 = 0.85;
 pub const STILL: f64 = 5e-3;
 /// The same where partners are vertices, which decides only what is looked at closer.
 const ROUGHLY: f64 = 3e-2;
-/// No face.
-pub const NONE: u32 = u32::MAX;
+/// No face, no vertex.
+const NONE: u32 = u32::MAX;
+/// A point that has moved by less than this part of an edge since its partner was looked for keeps it.
+const KEPT: f64 = 0.4;
+/// Least barycentric coordinate of a point inside a face.
+const INSIDE: f64 = 1e-6;
+
+/// What is known of a ring point's partner from earlier steps.
+#[derive(Clone, Copy)]
+pub struct Hint {
+    /// A vertex or a face: the next is hardly farther.
+    found: u32,
+    /// Where the point was then, on the source.
+    of: DVec3,
+}
+
+impl Hint {
+    /// Of a point without earlier steps.
+    pub const NOTHING: Self = Self { found: NONE, of: DVec3::ZERO };
+}
 
 /// A known point of the ring with its normal and its tint (0 without colours).
 pub type RingPoint = (DVec3, DVec3, f64);
@@ -57,8 +75,7 @@ pub fn align(
         Partner::Vertex => ROUGHLY,
         Partner::Surface => STILL,
     };
-    // The face of each point's last partner: the next is hardly farther.
-    let mut hints = vec![NONE; ring.len()];
+    let mut hints = vec![Hint::NOTHING; ring.len()];
     for _ in 0..steps {
         let step = improve(source, ring, &back, partner, radius, keep, &mut hints);
         let Some(step) = step else { break };
@@ -81,7 +98,7 @@ fn improve(
     partner: Partner,
     radius: f64,
     keep: f64,
-    hints: &mut [u32],
+    hints: &mut [Hint],
 ) -> Option<Rigid> {
     let paint = worth(source);
     let mut pairs: Vec<(f64, DVec3, DVec3, f64, DVec3)> = Vec::with_capacity(ring.len());
@@ -136,39 +153,54 @@ pub fn worth(source: &Source) -> f64 {
     source.paint.as_ref().map_or(0.0, |_| EDGES * source.edge)
 }
 
-/// The partner of a point on the source. `hint`: the face of the last one, or [`NONE`].
+/// The partner of a point on the source. `hint`: what earlier steps found.
 pub fn find_partner(
     source: &Source,
     p: DVec3,
     partner: Partner,
     radius: f64,
-    hint: &mut u32,
+    hint: &mut Hint,
 ) -> Option<Met> {
+    let nearby = hint.found != NONE && p.distance(hint.of) < KEPT * source.edge;
+    let on_face = |face: u32, point: DVec3, at: [f64; 3]| {
+        let tint_at = |p: &Paint| p.tint_at(source.faces[face as usize], at);
+        let (tint, slope) = source.paint.as_ref().map_or((0.0, DVec3::ZERO), tint_at);
+        (point, source.smooth_normal(face, at), tint, slope)
+    };
     match partner {
         Partner::Vertex => {
-            let (v, d2) = source.points.nearest(p)?;
-            let v = v as usize;
-            let usable = d2 <= radius * radius && !source.on_boundary[v];
-            let (tint, slope) =
-                source.paint.as_ref().map_or((0.0, DVec3::ZERO), |p| (p.tint[v], p.slopes[v]));
-            usable.then(|| (source.positions[v], source.normals[v], tint, slope))
+            if !nearby {
+                let (v, d2) = source.points.nearest(p)?;
+                let usable = d2 <= radius * radius && !source.on_boundary[v as usize];
+                *hint = if usable { Hint { found: v, of: p } } else { Hint::NOTHING };
+            }
+            let v = hint.found as usize;
+            let tint = |paint: &Paint| (paint.tint[v], paint.slopes[v]);
+            (hint.found != NONE).then(|| {
+                let (tint, slope) = source.paint.as_ref().map_or((0.0, DVec3::ZERO), tint);
+                (source.positions[v], source.normals[v], tint, slope)
+            })
         }
         Partner::Surface => {
             let mut most = radius * radius;
-            if *hint != NONE {
-                let corners = source.faces[*hint as usize].map(|v| source.positions[v as usize]);
-                most = most.min(closest_point_on_triangle(p, &corners).distance_squared(p));
+            if hint.found != NONE {
+                let corners =
+                    source.faces[hint.found as usize].map(|v| source.positions[v as usize]);
+                let point = closest_point_on_triangle(p, &corners);
+                let at = source.barycentric(hint.found, point);
+                // Inside its last face, or else another is likely nearer.
+                if nearby && at.iter().all(|&x| x > INSIDE) && !source.touches_boundary(hint.found)
+                {
+                    return Some(on_face(hint.found, point, at));
+                }
+                most = most.min(point.distance_squared(p));
             }
             let hit = source.tree.closest_point_within(p, most)?;
-            *hint = hit.face;
+            *hint = Hint { found: hit.face, of: p };
             if source.touches_boundary(hit.face) {
                 return None;
             }
-            let weights = source.barycentric(hit.face, hit.point);
-            let corners = source.faces[hit.face as usize];
-            let tint_at = |p: &Paint| p.tint_at(corners, weights);
-            let (tint, slope) = source.paint.as_ref().map_or((0.0, DVec3::ZERO), tint_at);
-            Some((hit.point, source.smooth_normal(hit.face, weights), tint, slope))
+            Some(on_face(hit.face, hit.point, source.barycentric(hit.face, hit.point)))
         }
     }
 }
@@ -183,7 +215,7 @@ pub fn misfit(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f6
         let most = 0.5 * radius;
         let (p, n) = (back.point(p), back.direction(n).normalize());
         let (gap, cosine, off) =
-            match find_partner(source, p, Partner::Vertex, radius, &mut NONE.clone()) {
+            match find_partner(source, p, Partner::Vertex, radius, &mut Hint::NOTHING.clone()) {
                 Some((q, m, other, slope)) => {
                     let off = (tint - other - slope.dot(p - q)).abs().min(FARTHEST);
                     ((q - p).dot(m).abs().min(most), n.dot(m), off)

@@ -5,7 +5,7 @@
 //! rigid and affine: strains are normal with deviation [`STRAIN`], gaps with that of the pairs, so
 //! that a ring which fits says more than one that does not.
 
-use super::icp::{find_partner, Partner, RingPoint, AGREE, NONE, STILL};
+use super::icp::{find_partner, Hint, Partner, RingPoint, AGREE, STILL};
 use super::rigid::Rigid;
 use super::source::Source;
 use glam::{DMat3, DVec3};
@@ -38,7 +38,7 @@ pub fn stretch(
 ) -> Rigid {
     let base = start.inverse();
     let mut back = base;
-    let mut hints = vec![NONE; ring.len()];
+    let mut hints = vec![Hint::NOTHING; ring.len()];
     let middle = ring.iter().map(|p| base.point(p.0)).sum::<DVec3>() / ring.len().max(1) as f64;
     for _ in 0..steps {
         let mut pairs = find_pairs(source, ring, &base, &back, radius, &mut hints);
@@ -65,7 +65,7 @@ fn find_pairs(
     base: &Rigid,
     back: &Rigid,
     radius: f64,
-    hints: &mut [u32],
+    hints: &mut [Hint],
 ) -> Vec<Pair> {
     let mut pairs = Vec::with_capacity(ring.len());
     for (&(p, n, _), hint) in ring.iter().zip(hints) {

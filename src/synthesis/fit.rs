@@ -217,6 +217,7 @@ fn apply(
     chosen: usize,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Option<Fitted>> {
+    check()?;
     let mut columns = mismatches(domain, copies, weight);
     let Some(factor) = energy.factor(unit * STIFFNESSES[chosen], weight) else { return Ok(None) };
     check()?;
@@ -231,7 +232,7 @@ fn apply(
             rest
         })
         .collect();
-    let Some(faded) = fade(domain, &leftover) else { return Ok(None) };
+    let Some(faded) = fade(domain, &leftover, check)? else { return Ok(None) };
     check()?;
     let heights = copies
         .iter()
@@ -252,7 +253,11 @@ fn apply(
 }
 
 /// (L + M/ℓ²) e = 0 in the fill, e given on the known vertices.
-fn fade(domain: &Domain, given: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+fn fade(
+    domain: &Domain,
+    given: &[Vec<f64>],
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Option<Vec<Vec<f64>>>> {
     let l = &domain.laplacian;
     let first = domain.fill.start;
     let screen = 1.0 / (FADE * domain.radius).powi(2);
@@ -263,7 +268,8 @@ fn fade(domain: &Domain, given: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     };
     let mut matrix = Symmetric::from_columns(domain.fill.clone().map(column).collect());
     let masses: Vec<f64> = domain.fill.clone().map(|v| screen * l.mass[v]).collect();
-    let factor = matrix.factor(1.0, &masses)?;
+    let Some(factor) = matrix.factor(1.0, &masses) else { return Ok(None) };
+    check()?;
     let from_rim = |given: &Vec<f64>| {
         let sum = |v: usize| {
             l.row(v).filter(|&(w, _)| domain.is_known(w)).map(|(w, x)| x * given[w]).sum::<f64>()
@@ -272,15 +278,10 @@ fn fade(domain: &Domain, given: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     };
     let mut inside: Vec<Vec<f64>> = given.iter().map(from_rim).collect();
     factor.solve(&mut inside);
-    Some(
-        given
-            .iter()
-            .zip(inside)
-            .map(|(given, inside)| {
-                let mut all = given.clone();
-                all[domain.fill.clone()].copy_from_slice(&inside);
-                all
-            })
-            .collect(),
-    )
+    let whole = |(given, inside): (&Vec<f64>, Vec<f64>)| {
+        let mut all = given.clone();
+        all[domain.fill.clone()].copy_from_slice(&inside);
+        all
+    };
+    Ok(Some(given.iter().zip(inside).map(whole).collect()))
 }

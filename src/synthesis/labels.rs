@@ -67,7 +67,7 @@ impl Energy<'_> {
             let before = energy;
             for &alpha in order {
                 check()?;
-                let moved = self.expand(&labels, alpha);
+                let moved = self.expand(&labels, alpha, check)?;
                 let better = self.of(&moved);
                 if better < energy {
                     (labels, energy) = (moved, better);
@@ -82,7 +82,12 @@ impl Energy<'_> {
 
     /// The best labelling in which each vertex keeps its label or takes α. A vertex on the source's
     /// side keeps, on the sink's side takes α.
-    fn expand(&self, labels: &[usize], alpha: usize) -> Vec<usize> {
+    fn expand(
+        &self,
+        labels: &[usize],
+        alpha: usize,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Vec<usize>> {
         let n = labels.len();
         let mut flow = Flow::new(n + 2);
         let (source, sink) = (n, n + 1);
@@ -108,8 +113,8 @@ impl Energy<'_> {
             flow.add(source, i, take[i] - least, 0.0);
             flow.add(i, sink, keep[i] - least, 0.0);
         }
-        let kept = flow.source_side(source, sink);
-        (0..n).map(|i| if kept[i] { labels[i] } else { alpha }).collect()
+        let kept = flow.source_side(source, sink, check)?;
+        Ok((0..n).map(|i| if kept[i] { labels[i] } else { alpha }).collect())
     }
 }
 
@@ -157,12 +162,18 @@ impl Flow {
     }
 
     /// Which nodes stay with the source in a minimum cut.
-    fn source_side(&mut self, source: usize, sink: usize) -> Vec<bool> {
+    fn source_side(
+        &mut self,
+        source: usize,
+        sink: usize,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Vec<bool>> {
         let total: f64 = self.left.iter().sum();
         loop {
+            check()?;
             let level = self.levels(source);
             if level[sink] == END {
-                return level.iter().map(|&l| l != END).collect();
+                return Ok(level.iter().map(|&l| l != END).collect());
             }
             let mut at = self.first.clone();
             while self.augment(source, sink, &level, &mut at, total * 1e-12) {}

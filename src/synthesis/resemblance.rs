@@ -9,6 +9,7 @@
 
 use super::domain::Domain;
 use super::view::View;
+use crate::error::Result;
 use glam::{DMat3, DVec3};
 
 /// Radius of a patch, in hole radii: a few vertices of a small hole, one feature of a large one.
@@ -18,9 +19,17 @@ const PATCH_EDGES: f64 = 2.5;
 /// Patches of a window at most, evenly spread: more change the third digit.
 const MOST_PATCHES: usize = 200;
 
+/// A vertex that no patch takes in, and one that none has so far.
+const NEVER: usize = usize::MAX;
+const NOT_YET: usize = usize::MAX - 1;
+
 /// Root mean square difference of the fill from the nearest copy, patch by patch, in mesh units, over
 /// all windows. `heights`: of the fill vertices of the whole; infinite without any patch.
-pub fn coherence_error(views: &[View<'_>], heights: &dyn Fn(usize) -> f64) -> f64 {
+pub fn coherence_error(
+    views: &[View<'_>],
+    heights: &dyn Fn(usize) -> f64,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<f64> {
     let (mut square, mut count) = (0.0, 0);
     for view in views {
         let domain = &view.window.domain;
@@ -29,14 +38,12 @@ pub fn coherence_error(views: &[View<'_>], heights: &dyn Fn(usize) -> f64) -> f6
             true => 0.0,
             false => heights(view.window.parent[v] - whole_start),
         };
-        let compared: Vec<bool> = {
-            let mut all = vec![false; domain.sheet.positions.len()];
-            domain.fill.clone().chain(domain.ring.iter().copied()).for_each(|v| all[v] = true);
-            all
-        };
+        let mut reached = vec![NEVER; domain.sheet.positions.len()];
+        domain.fill.clone().chain(domain.ring.iter().copied()).for_each(|v| reached[v] = NOT_YET);
         let step = domain.fill.len().div_ceil(MOST_PATCHES).max(1);
         for centre in domain.fill.clone().step_by(step) {
-            let patch = gather(domain, centre, &compared);
+            check()?;
+            let patch = gather(domain, centre, &mut reached);
             let frame = Frame::new(domain, centre, &patch);
             let differences = view
                 .copies
@@ -49,23 +56,26 @@ pub fn coherence_error(views: &[View<'_>], heights: &dyn Fn(usize) -> f64) -> f6
             }
         }
     }
-    match count {
+    Ok(match count {
         0 => f64::INFINITY,
         _ => (square / count as f64).sqrt(),
-    }
+    })
 }
 
 /// The compared vertices around a centre that hang together with it.
-fn gather(domain: &Domain, centre: usize, compared: &[bool]) -> Vec<usize> {
+/// `reached`: by which patch each vertex was last.
+fn gather(domain: &Domain, centre: usize, reached: &mut [usize]) -> Vec<usize> {
     let radius = (PATCH * domain.radius).max(PATCH_EDGES * domain.edge);
     let at = domain.sheet.positions[centre];
     let mut patch = vec![centre];
+    reached[centre] = centre;
     let mut next = 0;
     while let Some(&v) = patch.get(next) {
         next += 1;
         for (w, _) in domain.laplacian.row(v) {
             let near = domain.sheet.positions[w].distance(at) <= radius;
-            if near && compared[w] && !patch.contains(&w) {
+            if near && reached[w] != NEVER && reached[w] != centre {
+                reached[w] = centre;
                 patch.push(w);
             }
         }

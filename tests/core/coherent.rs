@@ -335,8 +335,9 @@ fn what_was_asked_before_does_not_matter() {
     let all = Options::default();
     let one = Options { selection: Selection::Ids(vec![1]), ..all.clone() };
     let fairing = Options { fairing: Fairing::C1, ..all.clone() };
-    let sizing = Options { sizing: Sizing::Scaled(0.8), ..all.clone() };
-    for asked in [&one, &all, &fairing, &sizing, &one, &all] {
+    let fine = Options { sizing: Sizing::Scaled(0.8), ..all.clone() };
+    let length = Options { sizing: Sizing::EdgeLength(0.05), ..fairing.clone() };
+    for asked in [&one, &all, &fairing, &fine, &one, &length, &all, &fine] {
         let fresh = complete_mesh(&left.vertices[..], &left.faces[..], asked).unwrap();
         assert!(fresh.holes.iter().any(|h| h.method == Method::Coherent));
         assert!(same(&fresh, &kept.complete(asked, &silent).unwrap()), "{asked:?}");
