@@ -51,6 +51,8 @@ pub struct MeshResult {
     whole_mesh: bool,
     vertex_hole: Vec<u32>,
     origins: Origins,
+    /// Of the new vertices.
+    values: Vec<f64>,
     face_hole: Vec<u32>,
     holes: Holes,
     seconds: f64,
@@ -75,6 +77,7 @@ impl MeshResult {
         input: &Input,
         list: &HoleList,
         completion: Completion,
+        values: Vec<f64>,
         whole_mesh: bool,
     ) -> Result<Self, Failure> {
         let input_counts = (completion.input_vertex_count, completion.input_face_count);
@@ -107,6 +110,7 @@ impl MeshResult {
             first_new,
             input_counts,
             whole_mesh,
+            values,
             holes: Holes::new(list, &completion.holes),
             vertex_hole: completion.vertex_hole,
             origins: Origins::new(&completion.origins)?,
@@ -290,6 +294,18 @@ pub unsafe extern "C" fn complete_mesh_result_new_vertex_confidences(
 ) -> *const f64 {
     // SAFETY: as above.
     unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.origins.confidences))) }
+}
+
+/// For each new vertex the numbers that vertex_values of the options gave the input's, value_channels
+/// of them: copied from where the shape was copied from, else carried in from the rim. Between the
+/// least and the greatest of the input's. NULL without vertex_values or new vertices. The array belongs
+/// to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_values(
+    result: *const MeshResult,
+) -> *const f64 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.values))) }
 }
 
 /// For each new face the id of the hole that it fills. NULL if there are none. The array belongs to

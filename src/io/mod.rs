@@ -28,6 +28,7 @@ mod edit;
 mod error;
 mod obj;
 mod obj_corners;
+mod obj_texture;
 mod off;
 mod ply;
 mod polygon;
@@ -217,6 +218,22 @@ impl Document {
         Self::parse(bytes, Format::Ply)
     }
 
+    /// The same with a colour for each vertex: red, green, blue, alpha.
+    pub fn from_painted_mesh_f32(
+        vertices: &[[f32; 3]],
+        faces: &[[u32; 3]],
+        colours: &[[u8; 4]],
+    ) -> Result<Document, IoError> {
+        if colours.len() != vertices.len() {
+            let (n, m) = (colours.len(), vertices.len());
+            return Err(IoError::Mismatch { reason: format!("{n} colours for {m} vertices") });
+        }
+        let corners = faces.iter().map(|f| &f[..]);
+        let colours = Some(colours);
+        let bytes = ply::from_polygons(vertices.into(), true, colours, faces.len(), 3, corners);
+        Self::parse(bytes, Format::Ply)
+    }
+
     /// The same in double precision.
     pub fn from_mesh_f64(
         vertices: Vec<[f64; 3]>,
@@ -302,27 +319,40 @@ impl Document {
     }
 
     /// Adds a completion of [`Document::vertices`] and [`Document::faces`], each new element with
-    /// all that the file's elements carry. Numbers go on from the rim into the fill, colours and
-    /// other quantities as harmonic functions, labels from the nearest vertex; normals are the
-    /// fill's own; faces take after the nearest input face.
+    /// all that the file's elements carry. Colours and other quantities are copied from where the shape
+    /// was copied from (`docs/appearance.md`), harmonic from the rim where it was not; labels are those
+    /// of the nearest vertex of the rim; normals are the fill's own; faces take after the nearest input
+    /// face.
     ///
     /// Errors: [`IoError::Mismatch`] if the completion is another mesh's,
     /// [`IoError::Unsupported`] if the file's layout has no place for it.
     pub fn append(&mut self, completion: &Completion, extras: &Extras) -> Result<(), IoError> {
+        self.append_with(completion, extras, None)
+    }
+
+    /// The same with the exemplar that the completion copied from: its colours are copied, too.
+    pub fn append_with(
+        &mut self,
+        completion: &Completion,
+        extras: &Extras,
+        exemplar: Option<&Document>,
+    ) -> Result<(), IoError> {
         self.check(completion)?;
         if completion.faces.is_empty() && completion.vertices.is_empty() && !extras.provenance {
             return Ok(());
         }
         let (bytes, mesh) = (&self.bytes, &self.mesh);
+        let faces = mesh.triangles.view();
+        let patch = || attributes::Patch::with_sources(completion, faces, exemplar);
         let edits = match &self.layout {
-            Layout::Ply(layout) => ply::append(layout, bytes, mesh, completion, extras),
+            Layout::Ply(layout) => ply::append(layout, bytes, mesh, patch(), extras),
             _ if extras.provenance => {
                 let what = "it has no place for the columns of provenance; write PLY".into();
                 Err(IoError::Unsupported { format: self.format(), what })
             }
-            Layout::Obj => obj::append(bytes, mesh, completion),
+            Layout::Obj => obj::append(bytes, mesh, completion, &patch()),
             Layout::Stl(layout) => stl::append(layout, bytes, mesh, completion),
-            Layout::Off(layout) => off::append(layout, bytes, mesh, completion),
+            Layout::Off(layout) => off::append(layout, bytes, mesh, completion, &patch()),
         }?;
         let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
         // Not two face lists at a time. What `append` made is valid: it reads back.
@@ -354,6 +384,9 @@ impl Document {
         let finite = |x: &f64| if single { (*x as f32).is_finite() } else { x.is_finite() };
         if let Some(v) = completion.vertices.iter().position(|p| !p.iter().all(finite)) {
             return mismatch(format!("its vertex {v} is not finite"));
+        }
+        if completion.holes.iter().any(|h| h.ring.iter().any(|s| s.vertex as usize >= counts[0])) {
+            return mismatch("its ring names a vertex that there is not".into());
         }
         match completion.faces.iter().position(|f| f.iter().any(|&v| v as usize >= total)) {
             Some(f) => mismatch(format!("its face {f} names a vertex beyond {total}")),

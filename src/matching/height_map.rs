@@ -43,6 +43,8 @@ pub struct HeightMap {
     height: [Row; RADII],
     /// A bit for each angle where something is known.
     known: [u64; RADII],
+    /// Mean tint, if there are colours.
+    tint: Option<Box<[Row; RADII]>>,
 }
 
 /// A centre and three axes, the last one the normal.
@@ -115,8 +117,13 @@ struct Places {
 impl HeightMap {
     /// The map of the cloud's points in a ball around a frame's centre, out to `radius`.
     pub fn new(cloud: &Cloud, near: &Near, frame: Frame, radius: f64) -> Self {
-        let mut map =
-            Self { frame, roughness: 0.0, height: [[0.0; ANGLES]; RADII], known: [0; RADII] };
+        let mut map = Self {
+            frame,
+            roughness: 0.0,
+            height: [[0.0; ANGLES]; RADII],
+            known: [0; RADII],
+            tint: cloud.thinned.tints.as_ref().map(|_| Box::new([[0.0; ANGLES]; RADII])),
+        };
         let mut counts = [[0.0; ANGLES]; RADII];
         let mut points = 0.0;
         let axes = frame.axes.as_mat3().to_cols_array_2d();
@@ -149,6 +156,9 @@ impl HeightMap {
                         let (r, a) = (places.radius[l] as usize, angle_bin(places.turn[l]));
                         map.height[r][a] += places.height[l];
                         counts[r][a] += 1.0;
+                        if let (Some(tint), Some(tints)) = (&mut map.tint, &cloud.thinned.tints) {
+                            tint[r][a] += tints[group.ids[l] as usize] as f32;
+                        }
                         map.roughness += cloud.thinned.roughness[group.ids[l] as usize];
                         points += 1.0;
                     }
@@ -160,8 +170,14 @@ impl HeightMap {
             for (a, &count) in counts.iter().enumerate() {
                 if count > 0.0 {
                     map.height[r][a] /= count;
+                    if let Some(tint) = &mut map.tint {
+                        tint[r][a] /= count;
+                    }
                     map.known[r] |= 1 << a;
                 }
+            }
+            if let Some(tint) = &mut map.tint {
+                bridge_gaps(&mut tint[r], &mut map.known[r].clone(), widest_gap(r));
             }
             bridge_gaps(&mut map.height[r], &mut map.known[r], widest_gap(r));
         }
@@ -257,6 +273,10 @@ pub struct RingPattern {
     radius: f64,
     /// Mean roughness of what is known.
     roughness: f64,
+    /// Tints of the bins, if they are compared.
+    tints: Vec<f32>,
+    /// What a difference of 1 in tint is worth, in mesh units.
+    paint: f64,
 }
 
 /// A place on the source whose surroundings look like the ring.
@@ -273,7 +293,8 @@ pub struct Candidate {
 impl RingPattern {
     /// From the map of the known points; bins that hold a point of the fill are unknown. Only bins
     /// nearer than `reach` (mesh units) are compared.
-    pub fn new(known: &HeightMap, fill: &[DVec3], radius: f64, reach: f64) -> Self {
+    /// `paint`: what a difference of 1 in tint is worth, in mesh units.
+    pub fn new(known: &HeightMap, fill: &[DVec3], radius: f64, reach: f64, paint: f64) -> Self {
         let frame = known.frame;
         let mut filled = [[false; ANGLES]; RADII];
         let mut inner = 0;
@@ -287,6 +308,7 @@ impl RingPattern {
         let last = ((reach / step).ceil() as usize).min(RADII);
         let (mut bins, mut sums) = ([Vec::new(), Vec::new()], Sums::default());
         let mut rows = [0; RADII + 1];
+        let mut tints = Vec::new();
         for r in 0..last {
             for a in (0..ANGLES).filter(|&a| known.knows(r, a) && !filled[r][a]) {
                 let turn = (a as f64 + 0.5) / ANGLES as f64 * std::f64::consts::TAU;
@@ -299,10 +321,11 @@ impl RingPattern {
                 bins[0].push(Bin { r, a, moments });
                 bins[1].push(Bin { r, a: ANGLES - 1 - a, moments });
                 sums.add(1.0, x, y, h);
+                tints.extend(known.tint.as_ref().map(|t| t[r][a]));
             }
             rows[r + 1..].fill(bins[0].len());
         }
-        Self { frame, bins, rows, sums, inner, radius, roughness: known.roughness }
+        Self { tints, paint, frame, bins, rows, sums, inner, radius, roughness: known.roughness }
     }
 
     /// Whether there is enough to compare with.
@@ -318,10 +341,18 @@ impl RingPattern {
         let bland = blandness(self.roughness, map.roughness);
         let doubled = Doubled::new(map);
         for mirrored in [false, true].into_iter().take(1 + usize::from(mirror)) {
-            let all = self.correlate(&self.bins[usize::from(mirrored)], &doubled);
+            let bins = &self.bins[usize::from(mirrored)];
+            let all = self.correlate(bins, &doubled);
+            let tints = doubled.tint.as_deref().map(|t| self.compare_tints(bins, t));
             let mut best: Vec<(f64, usize, DVec3)> = (0..ANGLES)
                 .filter_map(|turn| {
                     let (cost, plane) = self.cost(&all[turn])?;
+                    let cost = match &tints {
+                        Some(tints) => {
+                            cost.hypot(self.paint * (f64::from(tints[turn]) / all[turn].n).sqrt())
+                        }
+                        None => cost,
+                    };
                     Some((cost, turn, plane))
                 })
                 .collect();
@@ -383,6 +414,18 @@ impl RingPattern {
             }
         }
         missing
+    }
+
+    /// Σ (tint of the target − of the source)² at all turns.
+    fn compare_tints(&self, bins: &[Bin], [tint, known]: &[Twice; 2]) -> [f32; ANGLES] {
+        let mut sums = [0f32; ANGLES];
+        for (b, &t) in bins.iter().zip(&self.tints) {
+            let (row, seen) = (&tint[b.r][b.a..][..ANGLES], &known[b.r][b.a..][..ANGLES]);
+            for (s, (x, k)) in sums.iter_mut().zip(row.iter().zip(seen)) {
+                *s += k * (t - x) * (t - x);
+            }
+        }
+        sums
     }
 
     /// Cost of the sums, and the plane taken out.
@@ -465,18 +508,29 @@ type Twice = [[f32; ANGLES + TURNS]; RADII];
 struct Doubled {
     height: Twice,
     known: [u64; RADII],
+    /// The tints, if there are colours, and 1 where they are known.
+    tint: Option<Box<[Twice; 2]>>,
 }
 
 impl Doubled {
     fn new(map: &HeightMap) -> Self {
-        let mut height = [[0.0; _]; RADII];
-        for (twice, row) in height.iter_mut().zip(&map.height) {
-            twice[..ANGLES].copy_from_slice(row);
-            twice[ANGLES..2 * ANGLES].copy_from_slice(row);
-            twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
-        }
-        Self { height, known: map.known }
+        let tint = |t: &[Row; RADII]| {
+            let seen = map.known.map(|bits| std::array::from_fn(|a| (bits >> a & 1) as f32));
+            Box::new([twice(t), twice(&seen)])
+        };
+        Self { tint: map.tint.as_deref().map(tint), height: twice(&map.height), known: map.known }
     }
+}
+
+/// Each row twice, and on to whole lanes.
+fn twice(rows: &[Row; RADII]) -> Twice {
+    let mut all = [[0.0; _]; RADII];
+    for (twice, row) in all.iter_mut().zip(rows) {
+        twice[..ANGLES].copy_from_slice(row);
+        twice[ANGLES..2 * ANGLES].copy_from_slice(row);
+        twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
+    }
+    all
 }
 
 /// Of some turns the sums over the bins of source height times weight, x, y and target height, and of
@@ -543,6 +597,7 @@ pub fn keep_different(
 #[cfg(test)]
 mod tests {
     use super::super::cloud::thin;
+    use super::super::cloud::Sample;
     use super::super::source::tests::{hills, hilly_source, some_transform};
     use super::*;
 
@@ -552,12 +607,12 @@ mod tests {
         let side = |i: usize| 2.4 * i as f64 / n as f64 - 1.2;
         let points = (0..n * n).map(|k| {
             let (p, m) = hills(side(k % n), side(k / n));
-            (t.point(p), t.direction(m), 0.0)
+            (t.point(p), t.direction(m), 0.0, 0.0)
         });
         cloud_of(points)
     }
 
-    fn cloud_of(points: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone) -> Cloud {
+    fn cloud_of(points: impl Iterator<Item = Sample> + Clone) -> Cloud {
         Cloud::of_points(thin(points, 0.04, &|| Ok(())).unwrap(), &|| Ok(())).unwrap()
     }
 
@@ -605,7 +660,7 @@ mod tests {
                 .copied()
                 .filter(|p| p.distance(centre) < 0.35)
                 .collect();
-            let pattern = RingPattern::new(&known, &hole, radius, radius);
+            let pattern = RingPattern::new(&known, &hole, radius, radius, 0.0);
             assert!(pattern.is_useful());
             let mut found = Vec::new();
             places.iter().for_each(|m| pattern.compare(m, true, &mut found));
@@ -631,12 +686,12 @@ mod tests {
             let side = |i: usize| 3.0 * i as f64 / n as f64 - 1.5;
             let points = (0..n * n).map(move |k| {
                 let (x, y) = (side(k % n), side(k / n));
-                (DVec3::new(x, y, slope * x + lift), DVec3::Z, 0.0)
+                (DVec3::new(x, y, slope * x + lift), DVec3::Z, 0.0, 0.0)
             });
             cloud_of(points)
         };
         let map = |cloud: &Cloud| map_at(cloud, DVec3::ZERO, DVec3::Z, 1.0);
-        let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, 1.0);
+        let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, 1.0, 0.0);
         let mut found = Vec::new();
         pattern.compare(&map(&level(0.3, 0.1)), true, &mut found);
         assert!(!found.is_empty());

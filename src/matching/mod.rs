@@ -7,9 +7,11 @@ pub mod consistent;
 pub mod height_map;
 pub mod icp;
 pub mod object;
+pub mod paint;
 pub mod patch;
 pub mod rigid;
 pub mod search;
 pub mod source;
+pub mod stretch;
 #[cfg(test)]
 mod tests;

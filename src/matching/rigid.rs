@@ -4,10 +4,11 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SVD};
 
-/// x ↦ `linear` x + `translation`, `linear` orthogonal; its determinant is −1 for a reflection.
+/// x ↦ `linear` x + `translation`. `linear` is orthogonal, its determinant −1 for a reflection; or
+/// orthogonal up to strains of some per cent ([`super::stretch`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rigid {
-    /// Rotation, or rotation and reflection.
+    /// Rotation, or rotation and reflection, and the strain if there is one.
     pub linear: DMat3,
     /// In mesh units.
     pub translation: DVec3,
@@ -31,7 +32,10 @@ impl Rigid {
 
     /// The way back.
     pub fn inverse(&self) -> Self {
-        let linear = self.linear.transpose();
+        let transposed = self.linear.transpose();
+        let strain = (transposed * self.linear - DMat3::IDENTITY).to_cols_array();
+        let is_rigid = strain.iter().all(|s| s.abs() < 1e-9);
+        let linear = if is_rigid { transposed } else { self.linear.inverse() };
         Self { linear, translation: -(linear * self.translation) }
     }
 

@@ -2,8 +2,10 @@
 
 use super::cloud::{thin, Cloud, Thinned};
 use super::height_map::{keep_different, Candidate, Frame, HeightMap, RingPattern};
-use super::icp::{align, misfit, Partner, RingPoint, KEEP};
+use super::icp::{align, misfit, worth, Partner, RingPoint, KEEP};
+use super::rigid::Rigid;
 use super::source::Source;
+use super::stretch::stretch;
 use crate::error::Result;
 use crate::parallel;
 use glam::DVec3;
@@ -69,6 +71,8 @@ pub struct Maps {
     known: Arc<Cloud>,
     /// Whether mirrored copies may be made.
     mirrored: bool,
+    /// What a difference of 1 in tint is worth, in mesh units; 0 without colours.
+    paint: f64,
     centres: Thinned,
     maps: Vec<OnceLock<Option<HeightMap>>>,
 }
@@ -118,10 +122,10 @@ impl Maps {
     ) -> Result<Self> {
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
         let Thinned { points, normals, .. } = &cloud.thinned;
-        let point = |i: usize| (points[i], normals[i], 0.0);
+        let point = |i: usize| (points[i], normals[i], 0.0, 0.0);
         let centres = thin((0..points.len()).map(point), spacing, check)?;
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
-        Ok(Self { radius, cloud, known, mirrored, centres, maps })
+        Ok(Self { radius, cloud, known, mirrored, paint: worth(source), centres, maps })
     }
 
     /// The map around a centre; `None` where the surface has no side to be seen from.
@@ -215,12 +219,37 @@ fn align_all(
     let found = parallel::map_part(found.len(), threads, &|part| check(0.4 + 0.4 * part), &second)?;
     let mut found = merge(found, target, effort.fine);
     // The best also by a wider ring, whole: where the near one is plain, or not quite alike.
-    let wide = wide_ring(known, target);
+    let wide = wide_ring(known, target, 1.0);
     let third = |i: usize| improve(&found[i], &wide, &fine, Partner::Surface, 15, 1.0);
     let variants = parallel::map(found.len().min(effort.widened), threads, &|| check(0.8), &third)?;
     found.extend(variants);
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     Ok(found)
+}
+
+/// More alignments of the best copies (source to target, best first), for a hole where copies are to be
+/// trusted: by a ring of one and a half radii, and stretched to one of a radius.
+pub fn realign(
+    known: &Source,
+    source: &Source,
+    target: &Target<'_>,
+    best: &[Rigid],
+    threads: usize,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Vec<Rigid>> {
+    let best = &best[..best.len().min((target.fill.len() / 30).clamp(2, 14))];
+    let (wide, wider) = (wide_ring(known, target, 1.0), wide_ring(known, target, 1.5));
+    let reach = 0.5 * target.radius;
+    let surface = Partner::Surface;
+    let one = |i: usize| match best.get(i) {
+        Some(&start) => align(source, &wider, start, surface, 15, reach, 1.0),
+        None => {
+            let start = best[i - best.len()];
+            let start = align(source, &wide, start, surface, 15, reach, KEEP);
+            stretch(source, &wide, &start, 15, reach, KEEP)
+        }
+    };
+    parallel::map(2 * best.len(), threads, check, &one)
 }
 
 fn search_maps(
@@ -239,8 +268,10 @@ fn search_maps(
             let frame = Frame::new(target.centre, target.normal);
             let around = maps.known.blocks.near(target.centre, 1.5 * reach);
             let known = HeightMap::new(&maps.known, &around, frame, reach);
-            let ring =
-                |w: &f64| RingPattern::new(&known, target.fill, reach, (1.0 + w) * target.radius);
+            let ring = |w: &f64| {
+                let width = (1.0 + w) * target.radius;
+                RingPattern::new(&known, target.fill, reach, width, maps.paint)
+            };
             widths.iter().map(ring).collect::<Vec<_>>()
         })
         .collect();
@@ -272,13 +303,14 @@ fn search_maps(
     Ok(kept.chunks(widths.len()).map(|c| c.concat()).collect())
 }
 
-/// Known points up to a whole radius from the hole, on the target's side.
-fn wide_ring(known: &Source, target: &Target<'_>) -> Vec<RingPoint> {
-    let near = known.points.within(target.centre, 2.0 * target.radius);
+/// Known points up to `width` radii from the hole, on the target's side.
+fn wide_ring(known: &Source, target: &Target<'_>, width: f64) -> Vec<RingPoint> {
+    let near = known.points.within(target.centre, (1.0 + width) * target.radius);
     let points: Vec<RingPoint> = near
         .iter()
-        .map(|&v| (known.positions[v as usize], known.normals[v as usize]))
-        .filter(|(_, n)| n.dot(target.normal) > 0.0)
+        .map(|&v| v as usize)
+        .map(|v| (known.positions[v], known.normals[v], known.tint(v)))
+        .filter(|(_, n, _)| n.dot(target.normal) > 0.0)
         .collect();
     thin_ring(&points, POINTS[1])
 }
@@ -353,7 +385,7 @@ mod tests {
         let at = |k: usize| {
             let (r, turn) = (k as f64 / 1000.0, 0.7 * k as f64);
             let (p, n) = hills(r * turn.cos(), r * turn.sin());
-            (t.point(p), t.direction(n))
+            (t.point(p), t.direction(n), 0.0)
         };
         let inside = |k: &usize| radii.contains(&(*k as f64 / 1000.0));
         (0..2000).filter(inside).map(at).collect()
@@ -385,9 +417,10 @@ mod tests {
             let found = run(1);
             assert!(found.len() <= 38 && found.is_sorted_by(|a, b| a.cost <= b.cost));
             let best = found[0].transform;
-            let off = ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, _)| {
-                m.max(best.point(truth.inverse().point(*p)).distance(*p))
-            });
+            let off =
+                ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, ..)| {
+                    m.max(best.point(truth.inverse().point(*p)).distance(*p))
+                });
             println!("mirrored {mirrored}: {:.4} edges", off / source.edge);
             assert_eq!(best.is_mirrored(), mirrored);
             assert!(off < 0.05 * source.edge, "{off}");
@@ -418,7 +451,7 @@ mod tests {
         let thin = thin_ring(&ring, 100);
         assert!((50..=100).contains(&thin.len()), "{}", thin.len());
         assert!(thin.iter().all(|p| ring.contains(p)));
-        for (p, _) in &ring {
+        for (p, ..) in &ring {
             let near = thin.iter().map(|q| q.0.distance(*p)).fold(f64::INFINITY, f64::min);
             assert!(near < 0.3);
         }
