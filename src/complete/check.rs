@@ -78,8 +78,10 @@ impl Obstacles<'_> {
                 let [a, b, c] = patch.triangles[bad[0] as usize].map(|v| patch.p(v));
                 let at = (a + b + c) / 3.0;
                 let (x, y, z) = (at.x, at.y, at.z);
+                let (faces, meet) =
+                    if bad.len() == 1 { ("face", "meets") } else { ("faces", "meet") };
                 return Ok(Err(format!(
-                    "{}{} faces of its fill meet others, one near ({x:.6}, {y:.6}, {z:.6})",
+                    "{}{} {faces} of its fill {meet} others, one near ({x:.6}, {y:.6}, {z:.6})",
                     if hopeless { "at least " } else { "" },
                     bad.len()
                 )));
