@@ -36,6 +36,7 @@ pub mod matching;
 pub mod mesh;
 pub mod options;
 mod parallel;
+pub mod points;
 pub mod progress;
 pub mod result;
 pub mod synthesis;
@@ -54,6 +55,7 @@ pub use mesh::{FaceView, MeshView, VertexView};
 pub use options::{
     Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
 };
+pub use points::{complete_points, complete_points_with, find_point_holes, PointCompletion, PointHoles};
 pub use progress::Monitor;
 pub use result::{Completion, HoleReport, HoleStatus, Origin, SourceReport};
 

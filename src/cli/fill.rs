@@ -5,6 +5,7 @@ use super::args::FillArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::output::{same_file, Outputs};
+use super::points;
 use super::report::{warnings, File, Report};
 use super::{check_interrupt, interrupt};
 use crate::complete::Completer;
@@ -33,6 +34,10 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     let input = describe(&args.input, &document);
     // Before the fill: another format may number the vertices anew.
     document = convert(document, format, console)?;
+    if document.is_cloud() {
+        options.sources = args.sources.sources(&document)?;
+        return points::fill(args, &options, input, document, console);
+    }
     options.sources = args.sources.sources(&document)?;
     if let Some(path) = &args.initial {
         options.initial = Some(Arc::new(initial(path, &document)?));
@@ -178,7 +183,7 @@ pub(super) fn convert(
 }
 
 /// The summary.
-fn tell(report: &Report, completion: &Completion, console: &Console) {
+pub(super) fn tell(report: &Report, completion: &Completion, console: &Console) {
     tell_warnings(&report.warnings, console);
     for hole in &report.holes {
         if let Some(reason) = &hole.reason {

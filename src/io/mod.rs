@@ -37,6 +37,7 @@ mod text;
 pub use error::{IoError, Place};
 
 use crate::mesh::{FaceView, VertexView};
+use crate::points::PointCompletion;
 use crate::result::Completion;
 use polygon::Triangles;
 use std::fmt;
@@ -249,6 +250,19 @@ impl Document {
         self.mesh.triangles.view()
     }
 
+    /// Whether the file holds points alone.
+    pub fn is_cloud(&self) -> bool {
+        self.faces().is_empty() && !self.vertices().is_empty()
+    }
+
+    /// The normals of all vertices as the file has them, if it has any.
+    pub fn vertex_normals(&self) -> Option<Vec<[f64; 3]>> {
+        match &self.layout {
+            Layout::Ply(layout) => layout.vertex_normals(&self.bytes),
+            _ => None,
+        }
+    }
+
     /// Red, green, blue and alpha (0 to 255) of every vertex, if the file has colours.
     pub fn vertex_colours(&self) -> Option<Vec<[u8; 4]>> {
         match &self.layout {
@@ -327,6 +341,35 @@ impl Document {
         let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
         // Not two face lists at a time. What `append` made is valid: it reads back.
         self.mesh.triangles = Triangles::default();
+        edit::splice(&mut self.bytes, edits);
+        *self = Self::parse(std::mem::take(&mut self.bytes), format)?;
+        self.dropped = dropped;
+        Ok(())
+    }
+
+    /// Adds new points to a cloud, each with all that the file's points carry; see
+    /// [`Document::append`]. With `extras.provenance` the columns are those listed at
+    /// [`Extras::provenance`], but for the three of the source face, in whose place stands
+    /// `source_point` (int): the input point that the detail was copied from.
+    ///
+    /// Errors: as of [`Document::append`]; PLY can hold new points.
+    pub fn append_points(
+        &mut self,
+        made: &PointCompletion,
+        extras: &Extras,
+    ) -> Result<(), IoError> {
+        self.check(&made.completion)?;
+        if made.completion.vertices.is_empty() && !extras.provenance {
+            return Ok(());
+        }
+        let edits = match &self.layout {
+            Layout::Ply(layout) => ply::append_points(layout, &self.bytes, &self.mesh, made, extras),
+            _ => {
+                let what = "new points cannot be added to it; write PLY".into();
+                Err(IoError::Unsupported { format: self.format(), what })
+            }
+        }?;
+        let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
         edit::splice(&mut self.bytes, edits);
         *self = Self::parse(std::mem::take(&mut self.bytes), format)?;
         self.dropped = dropped;
