@@ -55,7 +55,9 @@ pub use mesh::{FaceView, MeshView, VertexView};
 pub use options::{
     Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
 };
-pub use points::{complete_points, complete_points_with, find_point_holes, PointCompletion, PointHoles};
+pub use points::{
+    complete_points, complete_points_with, find_point_holes, PointCompletion, PointHoles,
+};
 pub use progress::Monitor;
 pub use result::{Completion, HoleReport, HoleStatus, Origin, SourceReport};
 

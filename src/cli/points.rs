@@ -109,7 +109,9 @@ pub(super) fn fill(
     mut document: Document,
     console: &Console,
 ) -> Result<(), Failure> {
-    for (given, name) in [(args.picture.is_some(), "--picture"), (args.initial.is_some(), "--initial")] {
+    for (given, name) in
+        [(args.picture.is_some(), "--picture"), (args.initial.is_some(), "--initial")]
+    {
         if given {
             return Err(Failure::Usage(format!("{name} takes a mesh; the input has no faces")));
         }

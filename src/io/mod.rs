@@ -363,7 +363,9 @@ impl Document {
             return Ok(());
         }
         let edits = match &self.layout {
-            Layout::Ply(layout) => ply::append_points(layout, &self.bytes, &self.mesh, made, extras),
+            Layout::Ply(layout) => {
+                ply::append_points(layout, &self.bytes, &self.mesh, made, extras)
+            }
             _ => {
                 let what = "new points cannot be added to it; write PLY".into();
                 Err(IoError::Unsupported { format: self.format(), what })

@@ -20,12 +20,7 @@ const SHAPES: [[f64; 3]; 4] =
     [[2.0 / 3.0, 1.0 / 3.0, 0.0], [0.5, 0.5, 0.0], [1.0 / 3.0; 3], [1.0, 0.0, 0.0]];
 
 /// Probability from 0 to 1: the mean of the angle, the half-disc and the shape criterion.
-pub fn probability(
-    points: &[DVec3],
-    normals: &[DVec3],
-    neighbours: &Neighbours,
-    i: usize,
-) -> f64 {
+pub fn probability(points: &[DVec3], normals: &[DVec3], neighbours: &Neighbours, i: usize) -> f64 {
     let (p, n) = (points[i], normals[i]);
     let x = n.any_orthonormal_vector();
     let y = n.cross(x);
@@ -36,7 +31,11 @@ pub fn probability(
     let flat: Vec<(DVec2, f64)> =
         offsets.iter().map(|d| (DVec2::new(d.dot(x), d.dot(y)), d.length())).collect();
     let all = (angle(&flat) + half_disc(&flat, radius) + shape(&offsets, radius)) / 3.0;
-    if all.is_finite() { all } else { 0.0 }
+    if all.is_finite() {
+        all
+    } else {
+        0.0
+    }
 }
 
 /// The largest gap between the directions of two neighbours.
@@ -90,7 +89,9 @@ mod tests {
         let points: Vec<DVec3> = (0..15)
             .flat_map(|j| {
                 let shift = 0.5 * f64::from(j % 2);
-                (-15..15).map(move |i| DVec3::new(f64::from(i) + shift, f64::from(j) * 0.75f64.sqrt(), 0.0))
+                (-15..15).map(move |i| {
+                    DVec3::new(f64::from(i) + shift, f64::from(j) * 0.75f64.sqrt(), 0.0)
+                })
             })
             .collect();
         let normals = vec![DVec3::Z; points.len()];

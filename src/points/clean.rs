@@ -74,8 +74,7 @@ fn finite(cloud: VertexView<'_>) -> Result<Finite> {
     if cloud.len() > limit {
         return Err(Error::TooLarge { what: "points", count: cloud.len(), limit });
     }
-    let (mut ids, mut points) =
-        (Vec::with_capacity(cloud.len()), Vec::with_capacity(cloud.len()));
+    let (mut ids, mut points) = (Vec::with_capacity(cloud.len()), Vec::with_capacity(cloud.len()));
     let mut missing = Vec::new();
     for i in 0..cloud.len() {
         let p = DVec3::from(cloud.get(i));

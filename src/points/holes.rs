@@ -79,11 +79,15 @@ impl Scaffold {
         monitor.step(0.01, "orienting normals")?;
         let given: Option<Vec<DVec3>> = given.map(|g| {
             let normal = |&i: &u32| DVec3::from(g.get(i as usize));
-            ids.iter().map(normal).map(|n| if n.is_finite() { n.normalize_or_zero() } else { DVec3::ZERO }).collect()
+            ids.iter()
+                .map(normal)
+                .map(|n| if n.is_finite() { n.normalize_or_zero() } else { DVec3::ZERO })
+                .collect()
         });
         let normals = normals(&points, &neighbours, given.as_deref(), threads, monitor)?;
         monitor.step(0.02, "meshing")?;
-        let mut surface = surface(&points, &normals, &neighbours.mutual(), &spacing, threads, monitor)?;
+        let mut surface =
+            surface(&points, &normals, &neighbours.mutual(), &spacing, threads, monitor)?;
         monitor.step(0.03, "judging gaps")?;
         let mut rims = tidy(&mut surface);
         for rim in &mut rims {
@@ -198,7 +202,10 @@ impl Scaffold {
         for v in made.faces.iter_mut().flatten() {
             *v = if *v < old { self.ids[*v as usize] } else { *v - old + new };
         }
-        made.vertex_hole.iter_mut().chain(&mut made.face_hole).for_each(|h| *h = number(*h as usize) as u32);
+        made.vertex_hole
+            .iter_mut()
+            .chain(&mut made.face_hole)
+            .for_each(|h| *h = number(*h as usize) as u32);
         made.holes.retain(|h| numbers.contains(&h.hole));
         for (id, report) in made.holes.iter_mut().enumerate() {
             report.hole = id;

@@ -45,10 +45,7 @@ pub fn principal_axes(points: impl Iterator<Item = (DVec3, f64)> + Clone) -> Axe
     let spread = |i: usize| -> f64 { eigen.eigenvalues[i].max(0.0) };
     order.sort_by(|&a, &b| spread(b).total_cmp(&spread(a)));
     let v = eigen.eigenvectors.column(order[2]);
-    Axes {
-        normal: DVec3::new(v[0], v[1], v[2]).normalize_or_zero(),
-        spreads: order.map(spread),
-    }
+    Axes { normal: DVec3::new(v[0], v[1], v[2]).normalize_or_zero(), spreads: order.map(spread) }
 }
 
 /// Unit normals on the same side of the surface all over each component. `given`: those that the

@@ -119,14 +119,7 @@ struct Star {
 }
 
 impl Star {
-    fn around(
-        &mut self,
-        points: &[DVec3],
-        normals: &[DVec3],
-        near: &[u32],
-        i: usize,
-        radius: f64,
-    ) {
+    fn around(&mut self, points: &[DVec3], normals: &[DVec3], near: &[u32], i: usize, radius: f64) {
         let (p, n) = (points[i], normals[i]);
         let x = n.any_orthonormal_vector();
         let y = n.cross(x);

@@ -100,7 +100,9 @@ fn inside(area: f64, each: f64, rim: usize) -> f64 {
 
 /// Area vector of a loop.
 fn newell(surface: &Surface<'_>, points: &[u32]) -> DVec3 {
-    let p = |i: usize| surface.points[points[i % points.len()] as usize] - surface.points[points[0] as usize];
+    let p = |i: usize| {
+        surface.points[points[i % points.len()] as usize] - surface.points[points[0] as usize]
+    };
     0.5 * (0..points.len()).map(|i| p(i).cross(p(i + 1))).sum::<DVec3>()
 }
 
@@ -125,7 +127,8 @@ fn areas(surface: &Surface<'_>, points: &[u32]) -> (f64, f64) {
         for &v in &rim {
             for (t, k) in surface.at(v) {
                 if seen.insert(t) {
-                    let [a, b, c] = surface.triangles[t as usize].map(|v| surface.points[v as usize]);
+                    let [a, b, c] =
+                        surface.triangles[t as usize].map(|v| surface.points[v as usize]);
                     areas.push(0.5 * (b - a).cross(c - a).length());
                     next.extend(surface.others((t, k)));
                 }
@@ -155,10 +158,15 @@ pub fn loops(surface: &Surface<'_>) -> Vec<Vec<u32>> {
             sectors.iter().filter(|s| sectors.iter().all(|o| o[1] != s[0])).map(|s| s[0]).collect();
         for start in &open {
             // The fan that ends just before this one starts, turning clockwise over the gap.
-            let ends = sectors.iter().filter(|s| sectors.iter().all(|o| o[0] != s[1])).map(|s| s[1]);
+            let ends =
+                sectors.iter().filter(|s| sectors.iter().all(|o| o[0] != s[1])).map(|s| s[1]);
             let from = if open.len() > 1 { surface.angle(v, *start) } else { 0.0 };
             let back = |&e: &u32| {
-                if open.len() > 1 { turn(from - surface.angle(v, e)) } else { 0.0 }
+                if open.len() > 1 {
+                    turn(from - surface.angle(v, e))
+                } else {
+                    0.0
+                }
             };
             if let Some(end) = ends.min_by(|a, b| back(a).total_cmp(&back(b))) {
                 steps.push((v, *start, end));
@@ -269,15 +277,18 @@ fn drop_small_fans(surface: &mut Surface<'_>) -> usize {
 
 /// The triangles at a point, those that are joined by edges together.
 fn fans(surface: &Surface<'_>, v: u32) -> Vec<Vec<u32>> {
-    let mut left: Vec<(u32, [u32; 2])> =
-        surface.at(v).map(|s| (s.0, surface.others(s))).collect();
+    let mut left: Vec<(u32, [u32; 2])> = surface.at(v).map(|s| (s.0, surface.others(s))).collect();
     let mut fans = Vec::new();
     while let Some(first) = left.pop() {
         let (mut fan, mut ends) = (vec![first.0], first.1);
         while let Some(i) = left.iter().position(|(_, o)| o[0] == ends[1] || o[1] == ends[0]) {
             let (t, o) = left.remove(i);
             fan.push(t);
-            if o[0] == ends[1] { ends[1] = o[1] } else { ends[0] = o[0] }
+            if o[0] == ends[1] {
+                ends[1] = o[1]
+            } else {
+                ends[0] = o[0]
+            }
         }
         fan.sort_unstable();
         fans.push(fan);
