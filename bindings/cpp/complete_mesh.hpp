@@ -554,6 +554,13 @@ class Result {
   View<double> new_vertex_confidences() const {
     return {complete_mesh_result_new_vertex_confidences(get()), new_count()};
   }
+  // Of a cloud; empty for a mesh. mesh_completion::none where there is no source.
+  View<std::uint32_t> new_point_source_points() const {
+    return of_points<View<std::uint32_t>>(complete_mesh_result_new_vertex_source_points(get()));
+  }
+  Rows<double, 3> new_point_normals() const {
+    return of_points<Rows<double, 3>>(complete_mesh_result_new_vertex_normals(get()));
+  }
   // All holes of the input, filled or not: the report.
   Holes holes() const {
     return Holes(std::shared_ptr<const complete_mesh_holes>(result_,
@@ -567,6 +574,11 @@ class Result {
  private:
   std::size_t new_count() const { return complete_mesh_result_new_vertex_count(get()); }
   std::size_t new_face_count() const { return complete_mesh_result_new_face_count(get()); }
+  // NULL for a mesh.
+  template <class Range, class Number>
+  Range of_points(const Number* p) const {
+    return {p, p ? new_count() : 0};
+  }
 
   std::shared_ptr<complete_mesh_result> result_;
 };
@@ -719,6 +731,21 @@ Outcome<Result<Scalar>> try_complete(const MeshView<Scalar>& mesh, const Options
   return Result<Scalar>(result);
 }
 
+// Fills the holes of a point cloud: complete_mesh_points. The view's faces are not used; its vertices
+// are the points, and so are those of the result. normals: as many, packed, or nullptr.
+template <class Scalar>
+Outcome<Result<Scalar>> try_complete_points(const MeshView<Scalar>& cloud,
+                                            const Scalar* normals = nullptr,
+                                            const Options& options = {}) {
+  detail::Call call(options, cloud);
+  if (call.refused()) return *call.refused();
+  complete_mesh_result* result = nullptr;
+  const complete_mesh_status status = complete_mesh_points(
+      cloud.vertices, cloud.vertex_count, normals, call.options(), &result);
+  if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
+  return Result<Scalar>(result);
+}
+
 // Finds and measures the holes of a mesh and fills nothing: complete_mesh_find_holes.
 template <class Scalar>
 Outcome<Holes> try_list_holes(const MeshView<Scalar>& mesh, const Options& options = {}) {
@@ -784,6 +811,12 @@ class Completer {
 template <class Scalar>
 Result<Scalar> complete(const MeshView<Scalar>& mesh, const Options& options = {}) {
   return try_complete(mesh, options).take();
+}
+
+template <class Scalar>
+Result<Scalar> complete_points(const MeshView<Scalar>& cloud, const Scalar* normals = nullptr,
+                               const Options& options = {}) {
+  return try_complete_points(cloud, normals, options).take();
 }
 
 template <class Scalar>

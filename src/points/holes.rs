@@ -106,8 +106,8 @@ impl Scaffold {
         Ok(Self { ids, faces, rims, found })
     }
 
-    /// The caller's grouping in the mesh's own numbers. Borders are never joined to what they see,
-    /// but for the two ends of a missing band.
+    /// The caller's grouping in the mesh's own numbers. Only a hole and the islands in it, and
+    /// the two ends of a missing band, are joined: borders look at much that is not theirs.
     pub fn local_grouping(
         &self,
         mesh: MeshView<'_>,
@@ -134,9 +134,14 @@ impl Scaffold {
                     let rim = known.get(&list.loops[*l].vertices[..]);
                     rim.is_some_and(|r| r.kind == RimKind::Hole)
                 };
-                let groups = list.holes.iter().map(|h| match h.kind {
-                    HoleKind::Ring => h.loops.clone(),
-                    _ => h.loops.iter().copied().filter(is_hole).collect(),
+                // Pieces inside a hole are islands; holes that see each other are two all the same.
+                let groups = list.holes.iter().map(|h| {
+                    let with_islands = is_hole(&h.loops[0]) && !h.loops.iter().all(is_hole);
+                    match h.kind {
+                        HoleKind::Ring => h.loops.clone(),
+                        _ if with_islands => h.loops.clone(),
+                        _ => Vec::new(),
+                    }
                 });
                 let first = |l: usize| list.loops[l].vertices[0];
                 let lists = groups.filter(|g| g.len() > 1);
