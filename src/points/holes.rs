@@ -134,14 +134,11 @@ impl Scaffold {
                     let rim = known.get(&list.loops[*l].vertices[..]);
                     rim.is_some_and(|r| r.kind == RimKind::Hole)
                 };
-                // Pieces inside a hole are islands; holes that see each other are two all the same.
-                let groups = list.holes.iter().map(|h| {
-                    let with_islands = is_hole(&h.loops[0]) && !h.loops.iter().all(is_hole);
-                    match h.kind {
-                        HoleKind::Ring => h.loops.clone(),
-                        _ if with_islands => h.loops.clone(),
-                        _ => Vec::new(),
-                    }
+                // Holes that see each other are two all the same.
+                let groups = list.holes.iter().map(|h| match h.kind {
+                    HoleKind::Ring => h.loops.clone(),
+                    HoleKind::Islands if is_hole(&h.loops[0]) => h.loops.clone(),
+                    _ => Vec::new(),
                 });
                 let first = |l: usize| list.loops[l].vertices[0];
                 let lists = groups.filter(|g| g.len() > 1);

@@ -296,9 +296,8 @@ fn fans(surface: &Surface<'_>, v: u32) -> Vec<Vec<u32>> {
     fans
 }
 
-/// Pieces of fewer triangles than this share of the largest, or than a hundred, are specks: clusters
-/// of outliers.
-const SPECK: f64 = 1e-3;
+/// Pieces of fewer triangles are chance meetings of outliers; larger ones may be islands.
+const SPECK: u32 = 12;
 
 fn drop_specks(surface: &mut Surface<'_>) {
     let mut roots = super::normals::Roots::new(surface.points.len());
@@ -312,10 +311,8 @@ fn drop_specks(surface: &mut Surface<'_>) {
     for t in (0..surface.triangles.len()).filter(|&t| alive(surface, t)) {
         sizes[roots.root(surface.triangles[t][0]) as usize] += 1;
     }
-    let largest = sizes.iter().copied().max().unwrap_or(0);
-    let least = (SPECK * f64::from(largest)).max(100.0).min(f64::from(largest));
     for t in 0..surface.triangles.len() {
-        if f64::from(sizes[roots.root(surface.triangles[t][0]) as usize]) < least {
+        if sizes[roots.root(surface.triangles[t][0]) as usize] < SPECK {
             surface.dropped[t] = true;
         }
     }
