@@ -45,9 +45,8 @@ fn broken_sphere(count: usize) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
 /// Each point moved by noise of this standard deviation along each axis.
 fn noisy(points: &[[f64; 3]], sigma: f64) -> Vec<[f64; 3]> {
     let normal = |seed: u64| (0..12).map(|k| chance(12 * seed + k)).sum::<f64>() - 6.0;
-    let moved = |(i, p): (usize, &[f64; 3])| {
-        [0, 1, 2].map(|k| p[k] + sigma * normal((3 * i + k) as u64))
-    };
+    let moved =
+        |(i, p): (usize, &[f64; 3])| [0, 1, 2].map(|k| p[k] + sigma * normal((3 * i + k) as u64));
     points.iter().enumerate().map(moved).collect()
 }
 
@@ -183,9 +182,8 @@ fn ornament_is_continued_and_its_sources_are_named() {
     assert!(plain.source_points.iter().all(|&s| s == u32::MAX));
     let hole = &made.completion.holes[0];
     assert_eq!(hole.method, Method::Coherent);
-    let named: Vec<usize> = (0..made.source_points.len())
-        .filter(|&i| made.source_points[i] != u32::MAX)
-        .collect();
+    let named: Vec<usize> =
+        (0..made.source_points.len()).filter(|&i| made.source_points[i] != u32::MAX).collect();
     assert!(named.len() * 10 > 8 * made.source_points.len());
     let mut near = 0;
     for &i in &named {
