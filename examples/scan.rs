@@ -24,12 +24,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let whole = Sample::Vessel.build(220)?;
     let options = BreakOptions { kind: Break::Several, seed: 1, size: 1.0 };
     let mesh = break_mesh(Sample::Vessel, &whole, &options)?.mesh;
-    let points: Vec<DVec3> =
-        mesh.vertices.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
+    let points: Vec<DVec3> = mesh.vertices.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
     let normals = vertex_normals(&points, mesh.faces.iter().copied());
     let edges = mesh.faces.iter().map(|f| points[f[0] as usize].distance(points[f[1] as usize]));
     let edge = edges.sum::<f64>() / mesh.faces.len() as f64;
-    let (low, high) = points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.z), h.max(p.z)));
+    let (low, high) =
+        points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.z), h.max(p.z)));
     let mut rows = String::new();
     let mut row = |p: DVec3| -> std::fmt::Result {
         let t = ((p.z - low) / (high - low)).clamp(0.0, 1.0);

@@ -14,6 +14,10 @@ use crate::progress::Monitor;
 use glam::DVec3;
 use std::collections::HashMap;
 
+/// The shorter end of a missing band is at least so long, as a share of the other: a cluster of
+/// outliers beside a hole is no end.
+const BAND: f64 = 0.3;
+
 /// What was found out about a cloud.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PointHoles {
@@ -135,10 +139,13 @@ impl Scaffold {
                     rim.is_some_and(|r| r.kind == RimKind::Hole)
                 };
                 // Holes that see each other are two all the same.
-                let groups = list.holes.iter().map(|h| match h.kind {
-                    HoleKind::Ring => h.loops.clone(),
-                    HoleKind::Islands if is_hole(&h.loops[0]) => h.loops.clone(),
-                    _ => Vec::new(),
+                let groups = list.holes.iter().map(|h| {
+                    let length = |i: usize| list.loops[h.loops[i]].length;
+                    match h.kind {
+                        HoleKind::Ring if length(1) > BAND * length(0) => h.loops.clone(),
+                        HoleKind::Islands if is_hole(&h.loops[0]) => h.loops.clone(),
+                        _ => Vec::new(),
+                    }
                 });
                 let first = |l: usize| list.loops[l].vertices[0];
                 let lists = groups.filter(|g| g.len() > 1);

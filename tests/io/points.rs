@@ -8,7 +8,8 @@ use complete_mesh::{Origin, PointCompletion};
 fn middle() -> PointCompletion {
     let mut completion = floor();
     completion.input_face_count = 0;
-    completion.origins[0] = Origin { face: u32::MAX, barycentric: [0.0; 3], ..completion.origins[0] };
+    completion.origins[0] =
+        Origin { face: u32::MAX, barycentric: [0.0; 3], ..completion.origins[0] };
     PointCompletion {
         completion,
         normals: vec![[0.0, 0.0, -1.0]],
