@@ -79,7 +79,7 @@ pub(super) fn read(bytes: &[u8]) -> Parsed<(Layout, Mesh)> {
                 return Fault::line(line.number, "a point needs three numbers".to_owned());
             }
             layout.whole = vec![true; row.len()];
-            normal = vec![true; row.len().saturating_sub(5)];
+            normal = vec![true; row.len().saturating_sub(2)];
             layout.separator = separator(line.text);
         } else if row.len() != layout.whole.len() {
             let reason = format!(
