@@ -29,10 +29,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let edges = mesh.faces.iter().map(|f| points[f[0] as usize].distance(points[f[1] as usize]));
     let edge = edges.sum::<f64>() / mesh.faces.len() as f64;
     let (low, high) =
-        points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.z), h.max(p.z)));
+        points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.y), h.max(p.y)));
     let mut rows = String::new();
     let mut row = |p: DVec3| -> std::fmt::Result {
-        let t = ((p.z - low) / (high - low)).clamp(0.0, 1.0);
+        let t = ((p.y - low) / (high - low)).clamp(0.0, 1.0);
         let band = if (t * 9.0).fract() < 0.3 { 0.55 } else { 1.0 };
         let c = [190.0 - 60.0 * t, 120.0 + 40.0 * t, 80.0 + 90.0 * t].map(|x| (x * band) as u8);
         let p = p.as_vec3();

@@ -75,7 +75,7 @@ impl Field {
         }
     }
 
-    fn from_bits(&self, bits: u32) -> f64 {
+    fn value_of(&self, bits: u32) -> f64 {
         if self.kind == b'F' {
             f32::from_bits(bits).into()
         } else {
@@ -327,7 +327,7 @@ pub(super) fn append(layout: &Layout, bytes: &[u8], made: &PointCompletion) -> V
             let x = if f.is_packed() {
                 let bytes =
                     [next(), next(), next(), next()].map(|c| c.round().clamp(0.0, 255.0) as u8);
-                f.from_bits(u32::from_le_bytes(bytes))
+                f.value_of(u32::from_le_bytes(bytes))
             } else {
                 next()
             };
