@@ -313,6 +313,17 @@ typedef struct complete_mesh_options {
   const uint32_t *initial_faces;
   // How many faces it has; 0: no initial completion. Default: 0.
   size_t initial_face_count;
+  // What the vertices carry besides their place, colours or any numbers, to be completed with the
+  // shape: value_channels numbers a vertex, finite, packed, vertex_stride does not apply. Yours;
+  // NULL: nothing. Read back with complete_mesh_result_new_vertex_values. Default: NULL.
+  const double *vertex_values;
+  // The same of the exemplar's vertices. Yours; NULL: not known. Default: NULL.
+  const double *exemplar_values;
+  // How many numbers a vertex has. Default: 0.
+  uint32_t value_channels;
+  // How many of them, from the first on, help to find what is copied: 3 for red, green and blue;
+  // at most value_channels. They share one unit, whichever. Default: 0.
+  uint32_t steering_channels;
 } complete_mesh_options;
 
 // One hole. Lengths and positions are in mesh units.
@@ -693,6 +704,12 @@ const uint32_t *complete_mesh_result_new_vertex_source_points(const struct compl
 // For each new point of a cloud its unit normal, three numbers, on the side of the normals given, or
 // else outside. NULL for a mesh, and if there are no new points. The array belongs to the result.
 const double *complete_mesh_result_new_vertex_normals(const struct complete_mesh_result *result);
+
+// For each new vertex the numbers that vertex_values of the options gave the input's, value_channels
+// of them: copied from where the shape was copied from, else carried in from the rim. Between the
+// least and the greatest of the input's. NULL without vertex_values or new vertices. The array belongs
+// to the result.
+const double *complete_mesh_result_new_vertex_values(const struct complete_mesh_result *result);
 
 // For each new face the id of the hole that it fills. NULL if there are none. The array belongs to
 // the result.

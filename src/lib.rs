@@ -53,13 +53,13 @@ pub use error::{Error, Problem, Result};
 pub use holes::{find_holes, BoundaryLoop, Hole, HoleKind, HoleList};
 pub use mesh::{FaceView, MeshView, VertexView};
 pub use options::{
-    Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
+    Appearance, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
 };
 pub use points::{
-    complete_points, complete_points_with, find_point_holes, PointCompletion, PointHoles,
+    complete_points, complete_points_with, find_point_holes, Copied, PointCompletion, PointHoles,
 };
 pub use progress::Monitor;
-pub use result::{Completion, HoleReport, HoleStatus, Origin, SourceReport};
+pub use result::{Completion, HoleReport, HoleStatus, Origin, Seam, SourceReport};
 
 /// The examples of the README run as tests.
 #[cfg(doctest)]

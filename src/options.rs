@@ -143,6 +143,44 @@ pub struct Sources {
     pub unmirrored: bool,
 }
 
+/// What the vertices carry besides their place: colours, any numbers. They are completed with the shape,
+/// from the same sources, and the first of them help to find the sources.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Appearance {
+    /// How many numbers a vertex has.
+    pub channels: usize,
+    /// How many of them, from the first on, steer the search: 3 for red, green and blue, 0 for none.
+    /// Their unit does not matter, but it is one.
+    pub steering: usize,
+    /// The numbers of each vertex of the mesh, one vertex after the other; finite.
+    pub values: Vec<f64>,
+    /// The same of the exemplar; empty: not known.
+    pub exemplar_values: Vec<f64>,
+}
+
+impl Appearance {
+    /// Checks the lists against a mesh of so many vertices.
+    pub(crate) fn check(&self, vertices: usize, sources: &Sources) -> Result<()> {
+        let bad = |reason: String| Err(Error::InvalidOption { name: "appearance", reason });
+        if self.channels == 0 || self.steering > self.channels {
+            let Self { channels, steering, .. } = self;
+            return bad(format!("{channels} channels, of which {steering} steer"));
+        }
+        let others = sources.exemplar.as_ref().map_or(0, |e| e.vertices.len());
+        for (values, vertices) in [(&self.values, vertices), (&self.exemplar_values, others)] {
+            let missing = values.is_empty() && std::ptr::eq(values, &self.exemplar_values);
+            if !missing && Some(values.len()) != vertices.checked_mul(self.channels) {
+                let (n, channels) = (values.len(), self.channels);
+                return bad(format!("{n} values for {vertices} vertices of {channels} channels"));
+            }
+            if let Some(i) = values.iter().position(|x| !x.is_finite()) {
+                return bad(format!("a value of vertex {} is not finite", i / self.channels));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// A mesh that is copied from and does not become part of the result. Its scale is that of the mesh
 /// that is filled.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -236,6 +274,8 @@ pub struct Options {
     pub initial: Option<Arc<Initial>>,
     /// What may be copied from. Only `Method::Coherent` can be told.
     pub sources: Sources,
+    /// What the vertices carry; its first channels help `Method::Coherent` to find the sources.
+    pub appearance: Option<Arc<Appearance>>,
     /// Fill the other holes when a selected one is unsafe or fails, and say so in its
     /// [`crate::HoleReport`]; by default such a hole is an error for the whole call.
     pub skip_unsafe: bool,

@@ -56,6 +56,21 @@ pub struct SourceReport {
     pub vertices: usize,
 }
 
+/// Where a copy lies at a vertex that it did not give, but beside one that it did: on the rim, or across
+/// the border to another copy. There two surfaces meet, and this says what the copy has on the other
+/// side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seam {
+    /// The vertex, as faces name it.
+    pub vertex: u32,
+    /// Index into [`HoleReport::sources`].
+    pub source: u32,
+    /// The face of the source, as in [`Origin::face`].
+    pub face: u32,
+    /// Barycentric coordinates on it.
+    pub barycentric: [f64; 3],
+}
+
 /// What became of one hole.
 #[derive(Debug, Clone, PartialEq)]
 pub enum HoleStatus {
@@ -84,6 +99,11 @@ pub struct HoleReport {
     pub fairing: Fairing,
     /// Where the fill was continued from, the greatest weight first; none for a smooth fill.
     pub sources: Vec<SourceReport>,
+    /// The copies beyond their borders: what closes the seams of colours and other values.
+    pub seams: Vec<Seam>,
+    /// The copies on the known ring around the hole, at some hundreds of its vertices: whether they have
+    /// there what is known says how far to believe the rest of what they carry.
+    pub ring: Vec<Seam>,
     /// 0 to 1, see [`Origin::confidence`]; 0 for a smooth fill.
     pub confidence: f64,
     /// Coherence error (Harary et al. 2014, Eq. 3, root mean square, in mesh units) of the initial

@@ -330,6 +330,13 @@ struct Options {
   // New vertices and faces to start from, numbered as a result's are; no faces: none. What a result
   // has added: surface(result.new_vertices(), result.new_faces()).
   Surface initial = {};
+  // What the vertices carry, value_channels numbers each, completed with the shape; empty: nothing.
+  std::vector<double> vertex_values = {};
+  // The same of the exemplar's vertices; empty: not known.
+  std::vector<double> exemplar_values = {};
+  std::uint32_t value_channels = 0;
+  // How many of them, from the first on, help to find what is copied: 3 for red, green and blue.
+  std::uint32_t steering_channels = 0;
 };
 
 // ---- failures ---------------------------------------------------------------------------------
@@ -517,7 +524,8 @@ class Holes {
 template <class Scalar>
 class Result {
  public:
-  explicit Result(complete_mesh_result* result) : result_(result, complete_mesh_result_free) {}
+  explicit Result(complete_mesh_result* result, std::uint32_t value_channels = 0)
+      : result_(result, complete_mesh_result_free), value_channels_(value_channels) {}
 
   std::size_t input_vertex_count() const { return complete_mesh_result_input_vertex_count(get()); }
   std::size_t input_face_count() const { return complete_mesh_result_input_face_count(get()); }
@@ -561,6 +569,10 @@ class Result {
   Rows<double, 3> new_point_normals() const {
     return of_points<Rows<double, 3>>(complete_mesh_result_new_vertex_normals(get()));
   }
+  // Options::value_channels numbers for each new vertex; empty without Options::vertex_values.
+  View<double> new_vertex_values() const {
+    return {complete_mesh_result_new_vertex_values(get()), new_count() * value_channels_};
+  }
   // All holes of the input, filled or not: the report.
   Holes holes() const {
     return Holes(std::shared_ptr<const complete_mesh_holes>(result_,
@@ -581,6 +593,7 @@ class Result {
   }
 
   std::shared_ptr<complete_mesh_result> result_;
+  std::size_t value_channels_;
 };
 
 // ---- calls ------------------------------------------------------------------------------------
@@ -599,6 +612,7 @@ class Call {
     c_.face_stride = mesh.face_stride;
     set(options);
     set_sources<Scalar>(options, mesh.face_count);
+    set_values(options, mesh.vertex_count);
     if (progress_) {
       c_.progress = &Call::report;
       c_.progress_user = this;
@@ -607,7 +621,7 @@ class Call {
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
 
-  // What the C call could not see: it trusts source_faces to be as long as the mesh's faces.
+  // What the C call could not see: it trusts the lists to be as long as the mesh's.
   const std::optional<Failure>& refused() const { return refused_; }
   const complete_mesh_options* options() const { return &c_; }
 
@@ -672,6 +686,21 @@ class Call {
     c_.initial_faces = corners(options.initial);
     c_.initial_face_count = options.initial.faces.size();
   }
+  void set_values(const Options& options, std::size_t vertex_count) {
+    fits("vertex_values", options.vertex_values, options.value_channels, vertex_count);
+    fits("exemplar_values", options.exemplar_values, options.value_channels, options.exemplar.vertices.size());
+    c_.vertex_values = options.vertex_values.empty() ? nullptr : options.vertex_values.data();
+    c_.exemplar_values = options.exemplar_values.empty() ? nullptr : options.exemplar_values.data();
+    c_.value_channels = options.value_channels;
+    c_.steering_channels = options.steering_channels;
+  }
+  void fits(const char* name, const std::vector<double>& values, std::size_t channels, std::size_t count) {
+    if (values.empty() || values.size() == channels * count || refused_) return;
+    refused_.emplace();
+    refused_->status = Status::invalid_argument;
+    refused_->message = std::string(name) + " has " + std::to_string(values.size()) + " numbers, not " +
+                        std::to_string(channels) + " for each of " + std::to_string(count) + " vertices";
+  }
   // The coordinates as the mesh has them; `rounded` keeps those that are not as they were given.
   template <class Scalar>
   static const void* numbers(const Surface& from, std::vector<float>& rounded) {
@@ -728,7 +757,7 @@ Outcome<Result<Scalar>> try_complete(const MeshView<Scalar>& mesh, const Options
   const complete_mesh_status status = ::complete_mesh(mesh.vertices, mesh.vertex_count, mesh.faces,
                                                       mesh.face_count, call.options(), &result);
   if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
-  return Result<Scalar>(result);
+  return Result<Scalar>(result, options.value_channels);
 }
 
 // Fills the holes of a point cloud: complete_mesh_points. The view's faces are not used; its vertices
@@ -743,7 +772,7 @@ Outcome<Result<Scalar>> try_complete_points(const MeshView<Scalar>& cloud,
   const complete_mesh_status status = complete_mesh_points(
       cloud.vertices, cloud.vertex_count, normals, call.options(), &result);
   if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
-  return Result<Scalar>(result);
+  return Result<Scalar>(result, options.value_channels);
 }
 
 // Finds and measures the holes of a mesh and fills nothing: complete_mesh_find_holes.
@@ -778,12 +807,13 @@ class Completer {
         complete_mesh_completer_new(mesh.vertices, mesh.vertex_count, mesh.faces, mesh.face_count,
                                     call.options(), &completer);
     if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
-    return Completer(completer, mesh.face_count);
+    return Completer(completer, mesh.vertex_count, mesh.face_count);
   }
 
   // options.grouping and join_vertices were settled by the constructor and are not used.
   Outcome<Result<Scalar>> try_complete(const Options& options = {}) const {
     MeshView<Scalar> mesh;
+    mesh.vertex_count = vertex_count_;
     mesh.face_count = face_count_;
     detail::Call call(options, mesh);
     if (call.refused()) return *call.refused();
@@ -791,7 +821,7 @@ class Completer {
     const complete_mesh_status status =
         complete_mesh_completer_complete(get(), call.options(), &result);
     if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
-    return Result<Scalar>(result);
+    return Result<Scalar>(result, options.value_channels);
   }
   Holes holes() const {
     return Holes(std::shared_ptr<const complete_mesh_holes>(completer_,
@@ -800,10 +830,13 @@ class Completer {
   const complete_mesh_completer* get() const { return completer_.get(); }
 
  private:
-  Completer(complete_mesh_completer* completer, std::size_t face_count)
-      : completer_(completer, complete_mesh_completer_free), face_count_(face_count) {}
+  Completer(complete_mesh_completer* completer, std::size_t vertex_count, std::size_t face_count)
+      : completer_(completer, complete_mesh_completer_free),
+        vertex_count_(vertex_count),
+        face_count_(face_count) {}
 
   std::shared_ptr<complete_mesh_completer> completer_;
+  std::size_t vertex_count_;
   std::size_t face_count_;
 };
 

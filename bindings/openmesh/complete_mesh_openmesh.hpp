@@ -25,8 +25,9 @@ namespace openmesh {
 using OpenMesh::FaceHandle;
 using OpenMesh::VertexHandle;
 
-// Where the colours of new vertices come from.
-enum class Colours { from_rim, from_source };
+// Where the colours of new vertices come from. with_shape: they are the vertex_values of the options, as
+// far as those are empty, steer the search, and are completed with the shape.
+enum class Colours { from_rim, from_source, with_shape };
 
 // What is done beside the fill itself.
 struct Extras {
@@ -97,6 +98,7 @@ class Input {
     for (auto& list : options.join_vertices)
       if (auto failure = translate(list)) return failure;
     if (auto failure = translate_flags(options.source_faces)) return failure;
+    if (auto failure = translate_values(options.vertex_values, options.value_channels)) return failure;
     for (auto& face : options.initial.faces)
       if (auto failure = translate_initial(face)) return failure;
     return {};
@@ -135,6 +137,19 @@ class Input {
   std::optional<Failure> translate(std::vector<std::uint32_t>& vertices) const {
     for (std::uint32_t& v : vertices)
       if (auto failure = translate(v)) return failure;
+    return {};
+  }
+  std::optional<Failure> translate_values(std::vector<double>& values, std::size_t channels) const {
+    if (values.empty()) return {};
+    if (values.size() != channels * index_of_.size())
+      return wrong_argument("vertex_values has " + std::to_string(values.size()) + " numbers, not " +
+                            std::to_string(channels) + " for each vertex handle");
+    std::vector<double> kept;
+    for (const VertexHandle v : vertex_of_) {
+      const auto first = values.begin() + static_cast<std::ptrdiff_t>(channels) * v.idx();
+      kept.insert(kept.end(), first, first + static_cast<std::ptrdiff_t>(channels));
+    }
+    values.swap(kept);
     return {};
   }
   std::optional<Failure> translate_flags(std::vector<std::uint8_t>& flags) const {
@@ -274,6 +289,33 @@ struct Fill : Handles {
 namespace detail {
 
 template <class Mesh>
+inline constexpr std::size_t colour_size = OpenMesh::vector_traits<typename Mesh::Color>::size_;
+
+// The colours as values that steer.
+template <class Mesh>
+void give_colours(const Mesh& mesh, Options& options) {
+  for (const auto v : mesh.all_vertices())
+    for (std::size_t c = 0; c < colour_size<Mesh>; ++c)
+      options.vertex_values.push_back(static_cast<double>(mesh.color(v)[c]));
+  options.value_channels = colour_size<Mesh>;
+  options.steering_channels = colour_size<Mesh> < 3 ? colour_size<Mesh> : 3;
+}
+
+// Those that came back.
+template <class Mesh>
+void take_colours(Mesh& mesh, const Fill<Mesh>& fill) {
+  using Colour = typename Mesh::Color;
+  using Component = typename OpenMesh::vector_traits<Colour>::value_type;
+  const auto values = fill.result.new_vertex_values();
+  for (std::size_t i = 0; i < fill.vertices.size() && !values.empty(); ++i) {
+    Colour colour;
+    for (std::size_t c = 0; c < colour_size<Mesh>; ++c)
+      colour[c] = component<Component>(values[colour_size<Mesh> * i + c]);
+    mesh.set_color(fill.vertices[i], colour);
+  }
+}
+
+template <class Mesh>
 void set_colours(Mesh& mesh, const Fill<Mesh>& fill, const Input<Mesh>& input, const Carrier& carrier,
                  Colours colours) {
   using Colour = typename Mesh::Color;
@@ -286,9 +328,9 @@ void set_colours(Mesh& mesh, const Fill<Mesh>& fill, const Input<Mesh>& input, c
     return row;
   };
   const auto corners = [&](std::uint32_t f) { return input.faces()[f]; };
-  const auto rows = colours == Colours::from_rim
-                        ? carrier.from_rim<size>(get)
-                        : carrier.from_source<size>(fill.result, get, corners);
+  const auto rows = colours == Colours::from_source
+                        ? carrier.from_source<size>(fill.result, get, corners)
+                        : carrier.from_rim<size>(get);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     Colour colour;
     for (std::size_t c = 0; c < size; ++c) colour[c] = component<Component>(rows[i][c]);
@@ -353,6 +395,9 @@ void set_origins(Mesh& mesh, Fill<Mesh>& fill) {
 template <class Mesh>
 Outcome<Fill<Mesh>> try_complete(Mesh& mesh, Options options = {}, const Extras& extras = {}) {
   if (extras.collect_garbage) mesh.garbage_collection();
+  const bool with_shape = extras.colours == Colours::with_shape && mesh.has_vertex_colors() &&
+                          options.vertex_values.empty();
+  if (with_shape) detail::give_colours(mesh, options);
   const detail::Input<Mesh> input(mesh);
   if (auto failure = input.translate(options)) return *failure;
   options.output = Output::new_only;
@@ -381,6 +426,7 @@ Outcome<Fill<Mesh>> try_complete(Mesh& mesh, Options options = {}, const Extras&
   }
   fill.face_of.insert(fill.face_of.end(), fill.faces.begin(), fill.faces.end());
   detail::set_attributes(mesh, fill, input, extras);
+  if (with_shape) detail::take_colours(mesh, fill);
   // Once they are there they must be right: copied from the rim they would not be.
   if (extras.origins || mesh.get_property_handle(fill.origins, origin_property))
     detail::set_origins(mesh, fill);

@@ -60,7 +60,11 @@ fn completed(
 ) -> Result<MeshResult, Failure> {
     let whole_mesh = opts.whole_mesh()?;
     let completion = completer.complete(options, monitor)?;
-    MeshResult::new(input, completer.holes(), completion, whole_mesh)
+    let values = options.appearance.as_ref().map_or_else(Vec::new, |appearance| {
+        let exemplar = options.sources.exemplar.as_deref();
+        appearance.complete(input.view.faces, exemplar, &completion)
+    });
+    MeshResult::new(input, completer.holes(), completion, values, whole_mesh)
 }
 
 /// Fills the holes of a triangle mesh. The input is only read, and only while the call lasts.
@@ -91,7 +95,7 @@ pub unsafe extern "C" fn complete_mesh(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.checked(face_count) }?;
+        let options = unsafe { opts.checked(vertex_count, face_count) }?;
         options.check()?;
         // SAFETY: as above.
         let input = unsafe { Input::new(vertices, vertex_count, faces, face_count, &opts) }?;
@@ -134,7 +138,7 @@ pub unsafe extern "C" fn complete_mesh_points(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.checked(0) }?;
+        let options = unsafe { opts.checked(point_count, 0) }?;
         let whole_mesh = opts.whole_mesh()?;
         // SAFETY: as above.
         let input = unsafe { Input::new(points, point_count, std::ptr::null(), 0, &opts) }?;
@@ -174,7 +178,7 @@ pub unsafe extern "C" fn complete_mesh_find_holes(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.checked(face_count) }?;
+        let options = unsafe { opts.checked(vertex_count, face_count) }?;
         options.check()?;
         opts.whole_mesh()?;
         // SAFETY: as above.
@@ -216,7 +220,7 @@ pub unsafe extern "C" fn complete_mesh_completer_new(
         // SAFETY: as above.
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
-        let options = unsafe { opts.checked(face_count) }?;
+        let options = unsafe { opts.checked(vertex_count, face_count) }?;
         options.check()?;
         opts.whole_mesh()?;
         // SAFETY: as above; the caller keeps the arrays for as long as the completer.
@@ -256,7 +260,9 @@ pub unsafe extern "C" fn complete_mesh_completer_complete(
             return Err(Failure::argument("completer is NULL"));
         };
         // SAFETY: as above.
-        let options = unsafe { opts.checked(known.input.view.faces.len()) }?;
+        let (vertices, faces) = (known.input.view.vertices.len(), known.input.view.faces.len());
+        // SAFETY: as above.
+        let options = unsafe { opts.checked(vertices, faces) }?;
         options.check()?;
         opts.single()?;
         let made = with_monitor(&opts, |monitor| {

@@ -4,7 +4,7 @@ use super::arrays::{array, corners, points};
 use super::error::{Failure, Status};
 use super::guard::guard;
 use crate::options::{
-    Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
+    Appearance, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
 };
 use std::ffi::{c_char, c_int, c_void};
 use std::sync::Arc;
@@ -209,6 +209,17 @@ pub struct COptions {
     pub initial_faces: *const u32,
     /// How many faces it has; 0: no initial completion. Default: 0.
     pub initial_face_count: usize,
+    /// What the vertices carry besides their place, colours or any numbers, to be completed with the
+    /// shape: value_channels numbers a vertex, finite, packed, vertex_stride does not apply. Yours;
+    /// NULL: nothing. Read back with complete_mesh_result_new_vertex_values. Default: NULL.
+    pub vertex_values: *const f64,
+    /// The same of the exemplar's vertices. Yours; NULL: not known. Default: NULL.
+    pub exemplar_values: *const f64,
+    /// How many numbers a vertex has. Default: 0.
+    pub value_channels: u32,
+    /// How many of them, from the first on, help to find what is copied: 3 for red, green and blue;
+    /// at most value_channels. They share one unit, whichever. Default: 0.
+    pub steering_channels: u32,
 }
 
 /// More threads than any machine has cores for one call; a garbage number would start them all.
@@ -257,6 +268,10 @@ impl COptions {
             initial_vertex_count: 0,
             initial_faces: std::ptr::null(),
             initial_face_count: 0,
+            vertex_values: std::ptr::null(),
+            exemplar_values: std::ptr::null(),
+            value_channels: 0,
+            steering_channels: 0,
         }
     }
 
@@ -318,11 +333,15 @@ impl COptions {
         }
     }
 
-    /// The same options for Rust, every number checked. `face_count`: of the mesh.
+    /// The same options for Rust, every number checked. The counts are the mesh's.
     ///
     /// # Safety
     /// The arrays are as long as their counts say.
-    pub(super) unsafe fn checked(&self, face_count: usize) -> Result<Options, Failure> {
+    pub(super) unsafe fn checked(
+        &self,
+        vertex_count: usize,
+        face_count: usize,
+    ) -> Result<Options, Failure> {
         if self.threads > MAX_THREADS {
             return Err(Failure::new(
                 Status::InvalidOption,
@@ -330,6 +349,8 @@ impl COptions {
             ));
         }
         Ok(Options {
+            // SAFETY: by the contract of this function.
+            appearance: unsafe { self.appearance(vertex_count) }?,
             method: match self.method {
                 0 => Method::Smooth,
                 1 => Method::Coherent,
@@ -399,6 +420,26 @@ impl COptions {
         // SAFETY: as above.
         let faces = unsafe { corners("initial_faces", self.initial_faces, triangles) }?;
         Ok(Some(Arc::new(Initial { vertices, faces })))
+    }
+
+    unsafe fn appearance(&self, vertices: usize) -> Result<Option<Arc<Appearance>>, Failure> {
+        let (channels, steering) = (self.value_channels as usize, self.steering_channels as usize);
+        let nothing = self.vertex_values.is_null() && self.exemplar_values.is_null();
+        if nothing && channels == 0 && steering == 0 {
+            return Ok(None);
+        }
+        let count = |vertices: usize| vertices.saturating_mul(channels);
+        // SAFETY: the caller of `checked` answers for the arrays.
+        let values = unsafe { array("vertex_values", self.vertex_values, count(vertices)) }?;
+        let exemplar_values = match self.exemplar_values.is_null() {
+            true => Vec::new(),
+            // SAFETY: as above.
+            false => unsafe {
+                let count = count(self.exemplar_vertex_count);
+                array("exemplar_values", self.exemplar_values, count)
+            }?,
+        };
+        Ok(Some(Arc::new(Appearance { channels, steering, values, exemplar_values })))
     }
 
     unsafe fn selection(&self) -> Result<Selection, Failure> {

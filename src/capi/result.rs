@@ -55,6 +55,8 @@ pub struct MeshResult {
     /// Of a cloud: source points and normals of the new points.
     source_points: Vec<u32>,
     normals: Vec<[f64; 3]>,
+    /// Of the new vertices.
+    values: Vec<f64>,
     face_hole: Vec<u32>,
     holes: Holes,
     seconds: f64,
@@ -79,6 +81,7 @@ impl MeshResult {
         input: &Input,
         list: &HoleList,
         completion: Completion,
+        values: Vec<f64>,
         whole_mesh: bool,
     ) -> Result<Self, Failure> {
         let input_counts = (completion.input_vertex_count, completion.input_face_count);
@@ -111,6 +114,7 @@ impl MeshResult {
             first_new,
             input_counts,
             whole_mesh,
+            values,
             holes: Holes::new(list, &completion.holes),
             vertex_hole: completion.vertex_hole,
             origins: Origins::new(&completion.origins)?,
@@ -128,11 +132,11 @@ impl MeshResult {
         made: PointCompletion,
         whole_mesh: bool,
     ) -> Result<Self, Failure> {
-        let PointCompletion { mut completion, normals, source_points, found } = made;
+        let PointCompletion { mut completion, normals, source_points, values, found, .. } = made;
         completion.faces.clear();
         completion.face_hole.clear();
         completion.holes.iter_mut().for_each(|h| h.faces = 0..0);
-        let made = Self::new(input, &found.list, completion, whole_mesh)?;
+        let made = Self::new(input, &found.list, completion, values, whole_mesh)?;
         Ok(Self { source_points, normals, ..made })
     }
 
@@ -331,6 +335,18 @@ pub unsafe extern "C" fn complete_mesh_result_new_vertex_normals(
 ) -> *const f64 {
     // SAFETY: as above.
     unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.normals)).cast()) }
+}
+
+/// For each new vertex the numbers that vertex_values of the options gave the input's, value_channels
+/// of them: copied from where the shape was copied from, else carried in from the rim. Between the
+/// least and the greatest of the input's. NULL without vertex_values or new vertices. The array belongs
+/// to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_values(
+    result: *const MeshResult,
+) -> *const f64 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.values))) }
 }
 
 /// For each new face the id of the hole that it fills. NULL if there are none. The array belongs to

@@ -186,6 +186,9 @@ pub(super) struct SampleArgs {
     /// Size of the piece, as a factor on the model's own (0.2 to 1.5)
     #[arg(long, default_value_t = 1.0, requires = "broken", value_name = "F")]
     pub size: f64,
+    /// With colours: the vessel has them
+    #[arg(long)]
+    pub painted: bool,
     /// Edges along the longest side (24 to 4000)
     #[arg(long, default_value_t = 200, value_name = "N")]
     pub resolution: usize,
@@ -206,6 +209,7 @@ impl FillArgs {
             }
         };
         let options = Options {
+            appearance: None,
             method,
             selection: self.selection.selection(),
             grouping: self.grouping.grouping(),

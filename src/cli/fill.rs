@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::holes::HoleList;
 use crate::io::{Document, Extras, Format, IoError};
 use crate::mesh::MeshView;
-use crate::options::{Initial, Options};
+use crate::options::{Appearance, Initial, Options};
 use crate::picture::{before_and_after, with_sources, Image, Shape};
 use crate::progress::Monitor;
 use crate::result::{Completion, HoleStatus};
@@ -34,16 +34,18 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     let input = describe(&args.input, &document);
     // Before the fill: another format may number the vertices anew.
     document = convert(document, format, console)?;
+    let exemplar = args.sources.exemplar()?;
+    options.sources = args.sources.sources(&document, exemplar.as_ref());
+    options.appearance = appearance(&document, exemplar.as_ref());
     if document.is_cloud() {
-        options.sources = args.sources.sources(&document)?;
-        return points::fill(args, &options, input, document, console);
+        return points::fill(args, &options, input, document, exemplar.as_ref(), console);
     }
-    options.sources = args.sources.sources(&document)?;
     if let Some(path) = &args.initial {
         options.initial = Some(Arc::new(initial(path, &document)?));
     }
     let (holes, completion) = complete(&document, &options, console)?;
-    document.append(&completion, &Extras { provenance: args.provenance })?;
+    let extras = Extras { provenance: args.provenance };
+    document.append_with(&completion, &extras, exemplar.as_ref())?;
     let mut outputs = Outputs::default();
     if let Some(path) = &args.picture {
         console.step("draw");
@@ -65,6 +67,17 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     console.clear();
     tell(&report, &completion, console);
     Ok(())
+}
+
+/// The colours of the file, which help to find where to copy from.
+fn appearance(document: &Document, exemplar: Option<&Document>) -> Option<Arc<Appearance>> {
+    let numbers = |colours: Vec<[u8; 4]>| -> Vec<f64> {
+        colours.iter().flat_map(|c| [c[0], c[1], c[2]]).map(f64::from).collect()
+    };
+    let values = numbers(document.vertex_colours()?);
+    let exemplar_values = exemplar.and_then(Document::vertex_colours).map(numbers);
+    let exemplar_values = exemplar_values.unwrap_or_default();
+    Some(Arc::new(Appearance { channels: 3, steering: 3, values, exemplar_values }))
 }
 
 /// What another file adds to the mesh that was read.

@@ -107,6 +107,7 @@ pub(super) fn fill(
     options: &Options,
     input: File,
     mut document: Document,
+    exemplar: Option<&Document>,
     console: &Console,
 ) -> Result<(), Failure> {
     for (given, name) in
@@ -117,7 +118,8 @@ pub(super) fn fill(
         }
     }
     let made = complete(&document, options, console)?;
-    document.append_points(&made, &Extras { provenance: args.provenance })?;
+    let extras = Extras { provenance: args.provenance };
+    document.append_points_with(&made, &extras, exemplar)?;
     let output = File {
         path: args.output.display().to_string(),
         format: document.format().to_string(),

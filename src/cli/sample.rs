@@ -26,9 +26,20 @@ pub(super) fn run(args: &SampleArgs, console: &Console) -> Result<(), Failure> {
     if args.truth.as_ref().is_some_and(|t| same_file(t, &args.output)) {
         return Err(Failure::Usage("--output and --truth name one file".into()));
     }
+    if args.painted && args.sample.paint(&[]).is_none() {
+        return Err(Failure::Usage(format!("--painted: {} has no colours", args.sample.name())));
+    }
     console.step("make");
     let mut mesh = args.sample.build(args.resolution)?;
     let mut outputs = Outputs::default();
+    let stage = |outputs: &mut Outputs, path: &Path, mesh: SampleMesh| match args.painted {
+        true => {
+            let colours = args.sample.paint(&mesh.vertices).unwrap_or_default();
+            let made = Document::from_painted_mesh_f32(&mesh.vertices, &mesh.faces, &colours)?;
+            stage_document(outputs, path, made, console)
+        }
+        false => stage_mesh(outputs, path, mesh, console),
+    };
     let mut removed_faces = 0;
     if let Some(kind) = args.broken {
         let options = BreakOptions { kind, seed: args.seed, size: args.size };
@@ -36,7 +47,7 @@ pub(super) fn run(args: &SampleArgs, console: &Console) -> Result<(), Failure> {
         removed_faces = broken.removed.faces.len();
         mesh = broken.mesh;
         if let Some(path) = &args.truth {
-            stage_mesh(&mut outputs, path, broken.removed, console)?;
+            stage(&mut outputs, path, broken.removed)?;
         }
     }
     let made = Made {
@@ -48,7 +59,7 @@ pub(super) fn run(args: &SampleArgs, console: &Console) -> Result<(), Failure> {
         removed_faces,
     };
     super::check_interrupt()?;
-    stage_mesh(&mut outputs, &args.output, mesh, console)?;
+    stage(&mut outputs, &args.output, mesh)?;
     super::check_interrupt()?;
     outputs.commit()?;
     console.clear();
@@ -65,9 +76,17 @@ pub(super) fn stage_mesh(
     mesh: SampleMesh,
     console: &Console,
 ) -> Result<(), Failure> {
+    stage_document(outputs, path, Document::from_mesh_f32(mesh.vertices, mesh.faces)?, console)
+}
+
+fn stage_document(
+    outputs: &mut Outputs,
+    path: &Path,
+    document: Document,
+    console: &Console,
+) -> Result<(), Failure> {
     let format =
         Format::from_path(path).ok_or_else(|| IoError::UnknownFormat { path: path.to_owned() })?;
-    let document = Document::from_mesh_f32(mesh.vertices, mesh.faces)?;
     let document = convert(document, format, console)?;
     outputs.stage(path, |w| w.write_all(document.as_bytes()))
 }

@@ -45,25 +45,26 @@ fn parse_ball(text: &str) -> Result<Ball, String> {
 }
 
 impl SourceArgs {
-    /// The library's sources, for a mesh that was read.
-    pub fn sources(&self, document: &Document) -> Result<Sources, Failure> {
-        let exemplar = match &self.exemplar {
-            Some(path) => {
-                let other = Document::read(path)?;
-                let (vertices, faces) = (other.vertices(), other.faces());
-                Some(Arc::new(Exemplar {
-                    vertices: (0..vertices.len()).map(|v| vertices.get(v)).collect(),
-                    faces: (0..faces.len()).map(|f| faces.get(f)).collect(),
-                }))
-            }
-            None => None,
+    /// The exemplar's file.
+    pub fn exemplar(&self) -> Result<Option<Document>, Failure> {
+        Ok(self.exemplar.as_deref().map(Document::read).transpose()?)
+    }
+
+    /// The library's sources, for a mesh and an exemplar that were read.
+    pub fn sources(&self, document: &Document, exemplar: Option<&Document>) -> Sources {
+        let whole = |other: &Document| {
+            let (vertices, faces) = (other.vertices(), other.faces());
+            Arc::new(Exemplar {
+                vertices: (0..vertices.len()).map(|v| vertices.get(v)).collect(),
+                faces: (0..faces.len()).map(|f| faces.get(f)).collect(),
+            })
         };
-        Ok(Sources {
+        Sources {
             faces: self.faces(document),
-            exemplar,
+            exemplar: exemplar.map(whole),
             exemplar_only: self.exemplar_only,
             unmirrored: self.unmirrored,
-        })
+        }
     }
 
     fn faces(&self, document: &Document) -> Option<Arc<[bool]>> {

@@ -14,20 +14,22 @@ use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::fill::refine::refine;
 use crate::matching::cloud::Cloud;
+use crate::matching::icp::RingPoint;
+use crate::matching::paint::Paint;
 use crate::matching::search::{
     cloud_at, cloud_scale, find_candidates, radius_at, scale_of, Maps, Target,
 };
 use crate::matching::source::Source;
 use crate::mesh::MeshView;
-use crate::options::{Sizing, Sources};
+use crate::options::{Appearance, Sizing, Sources};
 use crate::progress::Pace;
-use crate::result::{Origin, SourceReport};
+use crate::result::{Origin, Seam, SourceReport};
 use crate::synthesis::domain::{Domain, Extent};
-use crate::synthesis::join::join;
+use crate::synthesis::join::{join, places_beside, places_on_ring};
+use crate::synthesis::project::Place;
 use crate::synthesis::resemblance::coherence_error;
 use crate::synthesis::view::{look, View};
 use crate::synthesis::window::{one_window, plan_windows, Window};
-use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -51,12 +53,19 @@ pub struct Library {
 
 impl Library {
     /// Of a mesh with these boundary vertices; maps are made when a hole first asks for them.
-    pub fn new(mesh: MeshView<'_>, boundary: &[u32], sources: &Sources) -> Result<Self> {
+    pub fn new(
+        mesh: MeshView<'_>,
+        boundary: &[u32],
+        sources: &Sources,
+        appearance: Option<&Appearance>,
+    ) -> Result<Self> {
         let rims = || boundary.iter().copied();
-        let chosen = sources.faces.is_some() || sources.exemplar.is_some();
+        let of_part = sources.faces.is_some() || sources.exemplar.is_some();
+        let paint = appearance.and_then(Paint::new);
+        let chosen = of_part.then(|| Source::chosen(mesh, rims(), sources)).transpose()?;
         Ok(Self {
-            known: Source::new(mesh, rims()),
-            chosen: chosen.then(|| Source::chosen(mesh, rims(), sources)).transpose()?,
+            known: Source::new(mesh, rims()).painted(&paint),
+            chosen: chosen.map(|s| s.painted(&paint)),
             mirrored: !sources.unmirrored,
             maps: Mutex::default(),
             clouds: Default::default(),
@@ -103,7 +112,8 @@ pub fn complete_hole(
     }
     let domain_of = |patch: &Patch, extent: Extent| {
         let (rim, edge) = (&fill.outline.vertices, fill.outline.mean_size());
-        Domain::new(patch, around.near, around.incidence, rim, edge, extent)
+        let domain = Domain::new(patch, around.near, around.incidence, rim, edge, extent);
+        domain.map(|d| d.painted(&library.known.paint, around.near))
     };
     let Some(domain) = domain_of(&fill.patch, Extent::Whole) else { return Ok(None) };
     let scope = Scope { around, library, threads, check };
@@ -168,8 +178,7 @@ impl Scope<'_> {
         let at = |part: f64| move || (self.check)(part);
         let maps = self.library.maps(first.domain.radius);
         (self.check)(0.1)?;
-        let rings: Vec<Vec<(DVec3, DVec3)>> =
-            windows.iter().map(|w| w.domain.ring_points()).collect();
+        let rings: Vec<Vec<RingPoint>> = windows.iter().map(|w| w.domain.ring_points()).collect();
         let targets: Vec<Target<'_>> =
             windows.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
         let found = find_candidates(known, source, &maps, &targets, threads, &at(0.3))?;
@@ -238,11 +247,17 @@ fn finish(
         patch.positions[v] = domain.sheet.positions[v] + joined.heights[i] * domain.directions[v];
     }
     let coherence_error = Some([before, after]).filter(|e| e[0].is_finite());
-    Some((patch, Story { coherence_error, ..tell(source, views, &joined.labels) }))
+    let story = tell(source, domain, views, &joined.labels);
+    Some((patch, Story { coherence_error, ..story }))
 }
 
 /// Where each vertex comes from. `labels`: view and copy of each fill vertex.
-fn tell(source: &Source, views: &[View<'_>], labels: &[Option<(usize, usize)>]) -> Story {
+fn tell(
+    source: &Source,
+    domain: &Domain,
+    views: &[View<'_>],
+    labels: &[Option<(usize, usize)>],
+) -> Story {
     // The copies of all windows, the most used first.
     let mut all: Vec<(usize, usize)> =
         (0..views.len()).flat_map(|w| (0..views[w].copies.len()).map(move |k| (w, k))).collect();
@@ -265,6 +280,14 @@ fn tell(source: &Source, views: &[View<'_>], labels: &[Option<(usize, usize)>]) 
         }
     };
     let origins: Vec<Origin> = labels.iter().enumerate().map(origin).collect();
+    let seam = |(v, label, at): (u32, (usize, usize), Place)| Seam {
+        vertex: v,
+        source: place(label),
+        face: source.face_ids[at.face as usize],
+        barycentric: at.barycentric,
+    };
+    let seams = places_beside(domain, views, labels).map(seam).collect();
+    let ring = places_on_ring(views, labels).map(seam).collect();
     let mut used = vec![0; all.len()];
     labels.iter().flatten().for_each(|&l| used[place(l) as usize] += 1);
     let sources = all
@@ -279,5 +302,5 @@ fn tell(source: &Source, views: &[View<'_>], labels: &[Option<(usize, usize)>]) 
         .collect();
     let confidence =
         origins.iter().map(|o| o.confidence).sum::<f64>() / origins.len().max(1) as f64;
-    Story { origins, sources, confidence, coherence_error: None }
+    Story { origins, sources, seams, ring, confidence, coherence_error: None }
 }

@@ -14,7 +14,7 @@ use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
-use crate::options::{Fairing, Grouping, Method, Options, Sources};
+use crate::options::{Appearance, Fairing, Grouping, Method, Options, Sources};
 #[cfg(feature = "capi")]
 pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
@@ -62,10 +62,13 @@ pub struct Completer<'a> {
     mesh: MeshView<'a>,
     holes: HoleList,
     /// Made when a coherent completion first asks for it.
-    library: Mutex<Option<(Sources, Arc<Library>)>>,
+    library: Mutex<Option<(Key, Arc<Library>)>>,
     /// Wall and CPU time of finding the holes.
     spent: (Duration, Duration),
 }
+
+/// What a library was made from.
+type Key = (Sources, Option<Arc<Appearance>>);
 
 /// What became of one selected hole.
 type Outcome = std::result::Result<(Fill, f64), (String, f64)>;
@@ -80,15 +83,22 @@ impl<'a> Completer<'a> {
     }
 
     /// What coherent completions copy from, kept until other sources are asked for.
-    fn library(&self, sources: &Sources) -> Result<Arc<Library>> {
+    fn library(&self, options: &Options) -> Result<Arc<Library>> {
+        let (sources, appearance) = (&options.sources, &options.appearance);
+        let same_values = |kept: &Option<Arc<Appearance>>| match (kept, appearance) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let same = |k: &Key| k.0 == *sources && same_values(&k.1);
         let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, library)) = kept.as_ref().filter(|k| k.0 == *sources) {
+        if let Some((_, library)) = kept.as_ref().filter(|k| same(&k.0)) {
             return Ok(library.clone());
         }
         let rims: Vec<u32> =
             self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect();
-        let library = Arc::new(Library::new(self.mesh, &rims, sources)?);
-        *kept = Some((sources.clone(), library.clone()));
+        let library = Library::new(self.mesh, &rims, sources, appearance.as_deref())?;
+        let library = Arc::new(library);
+        *kept = Some(((sources.clone(), appearance.clone()), library.clone()));
         Ok(library)
     }
 
@@ -104,6 +114,9 @@ impl<'a> Completer<'a> {
         options.check()?;
         options.sources.check(self.mesh.faces.len())?;
         let vertices = self.mesh.vertices.len();
+        if let Some(appearance) = &options.appearance {
+            appearance.check(vertices, &options.sources)?;
+        }
         options.initial.as_ref().map_or(Ok(()), |i| i.check(vertices))?;
         let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
         let todo = self.safe_holes(&wanted, options)?;
@@ -196,7 +209,7 @@ impl<'a> Completer<'a> {
         };
         if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
-            let library = self.library(&options.sources)?;
+            let library = self.library(options)?;
             self.continue_fill(around, obstacles, fill, &library, threads, &late)?;
         }
         let seconds = clock.elapsed().as_secs_f64();
@@ -339,8 +352,8 @@ impl<'a> Completer<'a> {
             report.vertices = first_vertex..first_vertex;
             report.faces = first_face..first_face;
             match outcome {
-                Ok((fill, seconds)) => {
-                    let vertices = append(near, &fill, hole.id, &mut out)?;
+                Ok((mut fill, seconds)) => {
+                    let vertices = append(near, &mut fill, hole.id, &mut out)?;
                     let report = &mut out.holes[hole.id];
                     report.vertices = first_vertex..first_vertex + vertices;
                     report.faces = first_face..out.faces.len();
@@ -350,6 +363,8 @@ impl<'a> Completer<'a> {
                     report.fairing = fill.fairing;
                     if let Some(story) = fill.story {
                         report.sources = story.sources;
+                        report.seams = story.seams;
+                        report.ring = story.ring;
                         report.confidence = story.confidence;
                     }
                     report.seconds = seconds;
@@ -380,6 +395,8 @@ fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
         method: Method::Smooth,
         fairing: Fairing::Auto,
         sources: Vec::new(),
+        seams: Vec::new(),
+        ring: Vec::new(),
         confidence: 0.0,
         coherence_error: None,
         vertices: 0..0,
@@ -389,7 +406,12 @@ fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
 }
 
 /// Appends a fill; returns how many vertices it has.
-fn append(near: &Neighbourhood, fill: &Fill, hole: usize, out: &mut Completion) -> Result<usize> {
+fn append(
+    near: &Neighbourhood,
+    fill: &mut Fill,
+    hole: usize,
+    out: &mut Completion,
+) -> Result<usize> {
     let rim = fill.patch.rim_count;
     let base = out.input_vertex_count + out.vertices.len();
     let new = &fill.patch.positions[rim..];
@@ -408,6 +430,10 @@ fn append(near: &Neighbourhood, fill: &Fill, hole: usize, out: &mut Completion) 
         None => near.vertices[fill.outline.vertices[v as usize] as usize],
     };
     out.faces.extend(fill.patch.triangles.iter().map(|t| t.map(index)));
+    let seams = fill.story.iter_mut().flat_map(|s| &mut s.seams);
+    seams.for_each(|s| s.vertex = index(s.vertex));
+    let ring = fill.story.iter_mut().flat_map(|s| &mut s.ring);
+    ring.for_each(|s| s.vertex = near.vertices[s.vertex as usize]);
     out.face_hole.resize(out.faces.len(), hole as u32);
     Ok(new.len())
 }

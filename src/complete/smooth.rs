@@ -20,7 +20,7 @@ use crate::fill::triangulate::{triangulate, ALL_PAIRS};
 use crate::mesh::neighbourhood::{FacePlaces, Neighbourhood};
 use crate::options::{Fairing, Method, Sizing};
 use crate::progress::Pace;
-use crate::result::{Origin, SourceReport};
+use crate::result::{Origin, Seam, SourceReport};
 use glam::DVec3;
 
 /// Share of the hole's radius that is hidden from the predictions: measured with 0.05, 0.1, 0.2
@@ -91,6 +91,10 @@ pub struct Story {
     pub origins: Vec<Origin>,
     /// See [`crate::HoleReport::sources`].
     pub sources: Vec<SourceReport>,
+    /// See [`crate::HoleReport::seams`]; vertices are the patch's.
+    pub seams: Vec<Seam>,
+    /// See [`crate::HoleReport::ring`]; vertices are the neighbourhood's.
+    pub ring: Vec<Seam>,
     /// See [`crate::HoleReport::confidence`].
     pub confidence: f64,
     /// See [`crate::HoleReport::coherence_error`].

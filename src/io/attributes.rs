@@ -1,13 +1,17 @@
 //! What the fill's elements carry besides their place: colours, normals, flags, whatever the file
-//! has, continued from the rim.
+//! has.
 //!
-//! A property of the vertices is carried inward as a harmonic function of the uniform Laplacian:
-//! each new vertex has the mean of its neighbours, the rim is fixed. It has no extremum inside, so
-//! no colour appears that is not between the rim's. New faces copy what they carry from the
+//! Quantities of the vertices are copied from where the shape was copied from, see
+//! [`crate::synthesis::appearance`]. In a fill without a source, and for texture coordinates, they are
+//! carried inward from the rim as harmonic functions of the uniform Laplacian: each new vertex has the
+//! mean of its neighbours, the rim is fixed. They have no extremum inside, so no colour appears that is
+//! not between the rim's. New faces copy what they carry from the
 //! nearest input face at the rim.
 
+use super::Document;
 use crate::mesh::{FaceView, VertexView};
-use crate::result::Completion;
+use crate::result::{Completion, NONE};
+use crate::synthesis::appearance::{complete_rows, Known};
 use std::collections::{HashMap, VecDeque};
 
 /// The fill as a graph: its new vertices first, then the input vertices at its rim.
@@ -18,6 +22,11 @@ pub(super) struct Patch<'a> {
     /// Neighbours of node i: `neighbours[starts[i]..starts[i + 1]]`, once for each face.
     starts: Vec<u32>,
     neighbours: Vec<u32>,
+    /// The rim and the corners of the faces copied from, sorted.
+    known: Vec<u32>,
+    /// The mesh's faces and the exemplar, to copy from.
+    faces: Option<FaceView<'a>>,
+    exemplar: Option<&'a Document>,
     /// Nodes by their distance from the rim in edges, the rim left out.
     inward: Vec<Step>,
     /// The greatest distance.
@@ -33,6 +42,8 @@ struct Step {
 /// How a property goes on into the fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Blend {
+    /// Copied with the shape, harmonic without a source.
+    Copied,
     /// Harmonic.
     Smooth,
     /// The value of the nearest vertex of the rim, for labels: between 3 and 7 there is no 5.
@@ -56,13 +67,18 @@ impl Blend {
             "luminance",
             "curvature",
         ];
+        const TEXTURE: [&str; 8] =
+            ["s", "t", "u", "v", "texture_u", "texture_v", "texture_s", "texture_t"];
         let name_end = name.to_ascii_lowercase();
         let quantity = |q: &&str| name_end.ends_with(*q);
         let single = ["r", "g", "b", "a"].contains(&name);
         if integer && !single && !QUANTITIES.iter().any(quantity) {
             Blend::Nearest
-        } else {
+        } else if TEXTURE.contains(&&*name_end) {
+            // A piece of another place's texture, bent to fit at the rim, would be stretched.
             Blend::Smooth
+        } else {
+            Blend::Copied
         }
     }
 }
@@ -78,7 +94,10 @@ impl<'a> Patch<'a> {
         let nodes = completion.vertices.len() + rim.len();
         let mut patch = Self {
             completion,
+            known: rim.clone(),
             rim,
+            faces: None,
+            exemplar: None,
             starts: vec![0; nodes + 1],
             neighbours: vec![0; completion.faces.len() * 6],
             inward: Vec::with_capacity(completion.vertices.len()),
@@ -87,6 +106,78 @@ impl<'a> Patch<'a> {
         patch.link();
         patch.walk_inward();
         patch
+    }
+
+    /// The same, to be copied into from the mesh's faces and from an exemplar.
+    pub fn with_sources(
+        completion: &'a Completion,
+        faces: FaceView<'a>,
+        exemplar: Option<&'a Document>,
+    ) -> Self {
+        let mut patch = Self::new(completion);
+        let seams = completion.holes.iter().flat_map(|h| h.seams.iter().chain(&h.ring));
+        let seams = seams.map(|s| s.face);
+        let ring = completion.holes.iter().flat_map(|h| h.ring.iter());
+        let mut used: Vec<u32> = completion.origins.iter().map(|o| o.face).chain(seams).collect();
+        used.sort_unstable();
+        used.dedup();
+        used.retain(|&f| (f as usize) < faces.len());
+        patch.known.extend(used.iter().flat_map(|&f| faces.get(f as usize)));
+        patch.known.extend(ring.map(|s| s.vertex));
+        patch.known.sort_unstable();
+        patch.known.dedup();
+        Self { faces: Some(faces), exemplar, ..patch }
+    }
+
+    /// Input vertices whose values must be known: the rim and the corners of what is copied; sorted.
+    pub fn known(&self) -> &[u32] {
+        &self.known
+    }
+
+    /// The rows of the rim, of those of [`Patch::known`].
+    pub fn rim_of<'b, T>(&'b self, rows: &'b [T], width: usize) -> impl Iterator<Item = &'b [T]> {
+        let at = move |v: &u32| self.known.binary_search(v).unwrap_or(0) * width;
+        self.rim.iter().map(move |v| &rows[at(v)..at(v) + width])
+    }
+
+    /// Columns of numbers for the new vertices, from a row of each vertex of [`Patch::known`].
+    pub fn complete(&self, rows: &[f64], columns: &[Column]) -> Vec<f64> {
+        let blends: Vec<Blend> = columns.iter().map(|c| c.blend).collect();
+        let width = columns.len();
+        let rim: Vec<f64> = self.rim_of(rows, width).flatten().copied().collect();
+        let mut values = self.carry(&rim, &blends);
+        let mut copied_from = vec![false; self.completion.holes.len()];
+        for (origin, &hole) in self.completion.origins.iter().zip(&self.completion.vertex_hole) {
+            if origin.face != NONE && (hole as usize) < copied_from.len() {
+                copied_from[hole as usize] = true;
+            }
+        }
+        if !copied_from.contains(&true) {
+            return values;
+        }
+        let colours = self.exemplar.and_then(Document::vertex_colours);
+        // Of the exemplar colours alone are known, so that the other columns are another system.
+        for of_colour in [true, false] {
+            let is_of = |c: &Column| (c.colour.is_some() && colours.is_some()) == of_colour;
+            let of_kind = |&c: &usize| blends[c] == Blend::Copied && is_of(&columns[c]);
+            let chosen: Vec<usize> = (0..width).filter(of_kind).collect();
+            if chosen.is_empty() {
+                continue;
+            }
+            let known = KnownRows::new(self, rows, columns, &chosen, colours.as_deref());
+            let Some(made) = complete_rows(self.completion, &known) else { continue };
+            for (i, row) in made.chunks_exact(chosen.len()).enumerate() {
+                if copied_from[self.completion.vertex_hole[i] as usize] {
+                    chosen.iter().zip(row).for_each(|(c, x)| values[i * width + c] = *x);
+                }
+            }
+        }
+        values
+    }
+
+    /// What was completed.
+    pub fn completion(&self) -> &'a Completion {
+        self.completion
     }
 
     /// Input vertices that the fill touches, sorted.
@@ -162,7 +253,7 @@ impl<'a> Patch<'a> {
             values.copy_within(from..from + columns, step.node as usize * columns);
         }
         let smooth: Vec<usize> =
-            (0..columns).filter(|&c| blends[c] == Blend::Smooth && ranges[c] > 0.0).collect();
+            (0..columns).filter(|&c| blends[c] != Blend::Nearest && ranges[c] > 0.0).collect();
         if !smooth.is_empty() {
             self.relax(&mut values, columns, &smooth, &ranges);
         }
@@ -257,6 +348,96 @@ impl<'a> Patch<'a> {
             }
         }
         found
+    }
+}
+
+/// A column of numbers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Column {
+    /// How it goes on.
+    pub blend: Blend,
+    /// Which channel of a colour it is, red first, and what stands for 255.
+    pub colour: Option<(usize, f64)>,
+}
+
+/// The rows of some columns, for the copy.
+struct KnownRows<'a> {
+    patch: &'a Patch<'a>,
+    width: usize,
+    rows: Vec<f64>,
+    /// Of the exemplar, by its vertices.
+    others: Vec<f64>,
+    ranges: Vec<[f64; 2]>,
+    /// Whether a column is a colour's, but not its first.
+    of_colour: Vec<bool>,
+}
+
+impl<'a> KnownRows<'a> {
+    fn new(
+        patch: &'a Patch<'a>,
+        rows: &[f64],
+        columns: &[Column],
+        chosen: &[usize],
+        colours: Option<&[[u8; 4]]>,
+    ) -> Self {
+        let width = chosen.len();
+        let pick = |row: &[f64]| chosen.iter().map(|&c| row[c]).collect::<Vec<f64>>();
+        let mut rows: Vec<f64> = rows.chunks_exact(columns.len()).flat_map(pick).collect();
+        for c in 0..width {
+            mend_column(&mut rows, c, width);
+        }
+        let has_colours = chosen.iter().all(|&c| columns[c].colour.is_some());
+        let others: Vec<f64> = (colours.filter(|_| has_colours).into_iter().flatten())
+            .flat_map(|of| {
+                let channel = |c: &usize| columns[*c].colour.map(|(k, full)| (of[k], full));
+                chosen.iter().filter_map(channel).map(|(x, full)| f64::from(x) * full / 255.0)
+            })
+            .collect();
+        let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; width];
+        for (i, &x) in rows.iter().chain(&others).enumerate() {
+            let range = &mut ranges[i % width];
+            *range = [range[0].min(x), range[1].max(x)];
+        }
+        let is_colour = |c: usize| columns[chosen[c]].colour.is_some();
+        let of_colour = (0..width).map(|c| c > 0 && is_colour(c) && is_colour(c - 1)).collect();
+        Self { patch, width, rows, others, ranges, of_colour }
+    }
+
+    fn row(&self, v: u32) -> Option<&[f64]> {
+        let at = self.patch.known.binary_search(&v).ok()? * self.width;
+        self.rows.get(at..at + self.width)
+    }
+}
+
+impl Known for KnownRows<'_> {
+    fn channels(&self) -> usize {
+        self.width
+    }
+
+    fn goes_with_last(&self, channel: usize) -> bool {
+        self.of_colour[channel]
+    }
+
+    fn vertex(&self, vertex: u32) -> &[f64] {
+        self.row(vertex).unwrap_or_default()
+    }
+
+    fn corners(&self, face: u32) -> Option<[&[f64]; 3]> {
+        let faces = self.patch.faces?;
+        let face = face as usize;
+        if face < faces.len() {
+            let [a, b, c] = faces.get(face).map(|v| self.row(v));
+            return Some([a?, b?, c?]);
+        }
+        let exemplar = self.patch.exemplar?.faces();
+        let face = Some(face - faces.len()).filter(|&f| f < exemplar.len())?;
+        let row = |v: u32| self.others.get(v as usize * self.width..)?.get(..self.width);
+        let [a, b, c] = exemplar.get(face).map(row);
+        Some([a?, b?, c?])
+    }
+
+    fn range(&self, channel: usize) -> [f64; 2] {
+        self.ranges[channel]
     }
 }
 
@@ -385,10 +566,10 @@ mod tests {
 
     #[test]
     fn integers_are_labels_unless_their_name_says_more() {
-        assert_eq!(Blend::of("red", true), Blend::Smooth);
-        assert_eq!(Blend::of("diffuse_Blue", true), Blend::Smooth);
-        assert_eq!(Blend::of("scalar_intensity", true), Blend::Smooth);
+        assert_eq!(Blend::of("red", true), Blend::Copied);
+        assert_eq!(Blend::of("diffuse_Blue", true), Blend::Copied);
+        assert_eq!(Blend::of("scalar_intensity", true), Blend::Copied);
         assert_eq!(Blend::of("segment", true), Blend::Nearest);
-        assert_eq!(Blend::of("segment", false), Blend::Smooth);
+        assert_eq!(Blend::of("segment", false), Blend::Copied);
     }
 }

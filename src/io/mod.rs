@@ -28,6 +28,7 @@ mod edit;
 mod error;
 mod obj;
 mod obj_corners;
+mod obj_texture;
 mod off;
 mod pcd;
 mod ply;
@@ -236,6 +237,22 @@ impl Document {
         Self::parse(bytes, Format::Ply)
     }
 
+    /// The same with a colour for each vertex: red, green, blue, alpha.
+    pub fn from_painted_mesh_f32(
+        vertices: &[[f32; 3]],
+        faces: &[[u32; 3]],
+        colours: &[[u8; 4]],
+    ) -> Result<Document, IoError> {
+        if colours.len() != vertices.len() {
+            let (n, m) = (colours.len(), vertices.len());
+            return Err(IoError::Mismatch { reason: format!("{n} colours for {m} vertices") });
+        }
+        let corners = faces.iter().map(|f| &f[..]);
+        let colours = Some(colours);
+        let bytes = ply::from_polygons(vertices.into(), true, colours, faces.len(), 3, corners);
+        Self::parse(bytes, Format::Ply)
+    }
+
     /// The same in double precision.
     pub fn from_mesh_f64(
         vertices: Vec<[f64; 3]>,
@@ -342,27 +359,40 @@ impl Document {
     }
 
     /// Adds a completion of [`Document::vertices`] and [`Document::faces`], each new element with
-    /// all that the file's elements carry. Numbers go on from the rim into the fill, colours and
-    /// other quantities as harmonic functions, labels from the nearest vertex; normals are the
-    /// fill's own; faces take after the nearest input face.
+    /// all that the file's elements carry. Colours and other quantities are copied from where the shape
+    /// was copied from (`docs/appearance.md`), harmonic from the rim where it was not; labels are those
+    /// of the nearest vertex of the rim; normals are the fill's own; faces take after the nearest input
+    /// face.
     ///
     /// Errors: [`IoError::Mismatch`] if the completion is another mesh's,
     /// [`IoError::Unsupported`] if the file's layout has no place for it.
     pub fn append(&mut self, completion: &Completion, extras: &Extras) -> Result<(), IoError> {
+        self.append_with(completion, extras, None)
+    }
+
+    /// The same with the exemplar that the completion copied from: its colours are copied, too.
+    pub fn append_with(
+        &mut self,
+        completion: &Completion,
+        extras: &Extras,
+        exemplar: Option<&Document>,
+    ) -> Result<(), IoError> {
         self.check(completion)?;
         if completion.faces.is_empty() && completion.vertices.is_empty() && !extras.provenance {
             return Ok(());
         }
         let (bytes, mesh) = (&self.bytes, &self.mesh);
+        let faces = mesh.triangles.view();
+        let patch = || attributes::Patch::with_sources(completion, faces, exemplar);
         let edits = match &self.layout {
-            Layout::Ply(layout) => ply::append(layout, bytes, mesh, completion, extras),
+            Layout::Ply(layout) => ply::append(layout, bytes, mesh, patch(), extras),
             _ if extras.provenance => {
                 let what = "it has no place for the columns of provenance; write PLY".into();
                 Err(IoError::Unsupported { format: self.format(), what })
             }
-            Layout::Obj => obj::append(bytes, mesh, completion),
+            Layout::Obj => obj::append(bytes, mesh, completion, &patch()),
             Layout::Stl(layout) => stl::append(layout, bytes, mesh, completion),
-            Layout::Off(layout) => off::append(layout, bytes, mesh, completion),
+            Layout::Off(layout) => off::append(layout, bytes, mesh, completion, &patch()),
             Layout::Xyz(_) | Layout::Pcd(_) => {
                 let what = "it has no place for faces; write PLY".into();
                 Err(IoError::Unsupported { format: self.format(), what })
@@ -389,6 +419,16 @@ impl Document {
         made: &PointCompletion,
         extras: &Extras,
     ) -> Result<(), IoError> {
+        self.append_points_with(made, extras, None)
+    }
+
+    /// The same with the exemplar that was copied from: its colours are copied, too.
+    pub fn append_points_with(
+        &mut self,
+        made: &PointCompletion,
+        extras: &Extras,
+        exemplar: Option<&Document>,
+    ) -> Result<(), IoError> {
         self.check(&made.completion)?;
         if made.completion.vertices.is_empty() && !extras.provenance {
             return Ok(());
@@ -396,13 +436,18 @@ impl Document {
         let (bytes, mesh) = (&self.bytes, &self.mesh);
         let unsupported =
             |what: &str| Err(IoError::Unsupported { format: self.format(), what: what.into() });
+        let completion = made.on_mesh();
+        let faces = (&made.copied.faces[..]).into();
+        let patch = attributes::Patch::with_sources(&completion, faces, exemplar);
         let edits = match &self.layout {
-            Layout::Ply(layout) => ply::append_points(layout, bytes, mesh, made, extras),
+            Layout::Ply(layout) => {
+                ply::append_points(layout, bytes, mesh, &made.source_points, patch, extras)
+            }
             _ if extras.provenance => {
                 unsupported("it has no place for the columns of provenance; write PLY")
             }
-            Layout::Xyz(layout) => Ok(xyz::append(layout, bytes, mesh, made)),
-            Layout::Pcd(layout) => Ok(pcd::append(layout, bytes, made)),
+            Layout::Xyz(layout) => Ok(xyz::append(layout, bytes, mesh, made, &patch)),
+            Layout::Pcd(layout) => Ok(pcd::append(layout, bytes, made, &patch)),
             _ => unsupported("new points cannot be added to it; write PLY, XYZ or PCD"),
         }?;
         let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
@@ -433,6 +478,9 @@ impl Document {
         let finite = |x: &f64| if single { (*x as f32).is_finite() } else { x.is_finite() };
         if let Some(v) = completion.vertices.iter().position(|p| !p.iter().all(finite)) {
             return mismatch(format!("its vertex {v} is not finite"));
+        }
+        if completion.holes.iter().any(|h| h.ring.iter().any(|s| s.vertex as usize >= counts[0])) {
+            return mismatch("its ring names a vertex that there is not".into());
         }
         match completion.faces.iter().position(|f| f.iter().any(|&v| v as usize >= total)) {
             Some(f) => mismatch(format!("its face {f} names a vertex beyond {total}")),

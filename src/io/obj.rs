@@ -1,9 +1,10 @@
 //! Wavefront OBJ. The lines stay as they are; new `v` and `f` lines go to the end of the file.
 
-use super::attributes::{Blend, Patch};
+use super::attributes::{Blend, Column, Patch};
 use super::edit::Edit;
 use super::error::{Fault, IoError, Parsed};
 use super::obj_corners::Corners;
+use super::obj_texture::Sourced;
 use super::polygon::{Triangles, MAX_CORNERS};
 use super::text::{coordinate, fits_single, line_end, parse, push_real, show, words, Line, Lines};
 use super::{Mesh, Positions};
@@ -197,8 +198,8 @@ pub(super) fn append(
     bytes: &[u8],
     mesh: &Mesh,
     completion: &Completion,
+    patch: &Patch<'_>,
 ) -> Result<Vec<Edit>, IoError> {
-    let patch = Patch::new(completion);
     let line_end = line_end(bytes);
     let mut with = Vec::new();
     if bytes.trim_ascii_end().ends_with(b"\\") {
@@ -208,9 +209,12 @@ pub(super) fn append(
     } else if !matches!(bytes.last(), Some(b'\n' | b'\r')) {
         with.extend_from_slice(line_end);
     }
-    write_points(&mut with, bytes, mesh, completion, &patch, line_end);
-    let corners = Corners::write_values(&mut with, bytes, mesh, completion, &patch, line_end);
-    write_faces(&mut with, bytes, mesh, completion, &patch, &corners, line_end);
+    write_points(&mut with, bytes, mesh, completion, patch, line_end);
+    let vertices = mesh.positions.view(bytes);
+    let sourced = Sourced::new(completion, vertices, mesh.triangles.faces.len());
+    let corners =
+        Corners::write_values(&mut with, bytes, mesh, completion, patch, &sourced, line_end);
+    write_faces(&mut with, bytes, mesh, patch, (&sourced, &corners), line_end);
     Ok(vec![Edit { at: bytes.len()..bytes.len(), with }])
 }
 
@@ -223,10 +227,10 @@ fn write_points(
     line_end: &[u8],
 ) {
     let single = mesh.positions.view(bytes).is_single();
-    let mut rim = patch.rim().iter().peekable();
+    let mut known = patch.known().iter().peekable();
     let rows: Vec<Vec<f64>> = extras(bytes)
         .enumerate()
-        .filter(|(i, _)| rim.next_if(|&&v| v as usize == *i).is_some())
+        .filter(|(i, _)| known.next_if(|&&v| v as usize == *i).is_some())
         .map(|(_, e)| e)
         .collect();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0).min(4);
@@ -237,7 +241,9 @@ fn write_points(
         .iter()
         .flat_map(|row| (0..columns).map(|c| row.get(c).copied().unwrap_or(white)))
         .collect();
-    let carried = patch.carry(&values, &vec![Blend::Smooth; columns]);
+    let full = if in_bytes { 255.0 } else { 1.0 };
+    let column = |c: usize| Column { blend: Blend::Copied, colour: Some((c, full)) };
+    let carried = patch.complete(&values, &(0..columns).map(column).collect::<Vec<_>>());
     for (i, p) in completion.vertices.iter().enumerate() {
         out.push(b'v');
         for &x in p {
@@ -255,6 +261,7 @@ fn write_points(
 /// The lines in force at a face: object, group, material, smoothing.
 type State<'a> = [&'a [u8]; 4];
 const STATE_WORDS: [&[u8]; 4] = [b"o", b"g", b"usemtl", b"s"];
+const MATERIAL: usize = 2;
 
 /// The states at the given faces (sorted), and at the end of the file.
 fn states<'a>(bytes: &'a [u8], faces: &[usize]) -> (Vec<State<'a>>, State<'a>) {
@@ -278,20 +285,31 @@ fn write_faces(
     out: &mut Vec<u8>,
     bytes: &[u8],
     mesh: &Mesh,
-    completion: &Completion,
     patch: &Patch<'_>,
-    corners: &Corners<'_>,
+    (sourced, corners): (&Sourced, &Corners<'_>),
     line_end: &[u8],
 ) {
     let templates = patch.templates(mesh.triangles.view());
-    let face_of = |t: &Option<u32>| t.map(|t| mesh.triangles.face_of(t as usize));
-    let mut wanted: Vec<usize> = templates.iter().filter_map(face_of).collect();
+    let face_of = |t: Option<u32>| t.map(|t| mesh.triangles.face_of(t as usize));
+    let faces = &patch.completion().faces;
+    // The material is the source's, the rest the neighbours'.
+    let beside: Vec<Option<usize>> = templates.iter().map(|t| face_of(*t)).collect();
+    let copied: Vec<Option<usize>> =
+        (0..faces.len()).map(|f| face_of(sourced.triangle(f))).collect();
+    let mut wanted: Vec<usize> = beside.iter().chain(&copied).flatten().copied().collect();
     wanted.sort_unstable();
     wanted.dedup();
     let (found, mut current) = states(bytes, &wanted);
-    for (f, (face, template)) in completion.faces.iter().zip(&templates).enumerate() {
-        let at = face_of(template).and_then(|f| wanted.binary_search(&f).ok());
-        let state = at.and_then(|i| found.get(i)).copied().unwrap_or(current);
+    let state_of = |face: Option<usize>| {
+        let at = face.and_then(|f| wanted.binary_search(&f).ok());
+        at.and_then(|i| found.get(i)).copied()
+    };
+    let mut told = false;
+    for f in 0..faces.len() {
+        let mut state = state_of(beside[f]).unwrap_or(current);
+        if let Some(source) = state_of(copied[f]) {
+            state[MATERIAL] = source[MATERIAL];
+        }
         for (now, then) in current.iter_mut().zip(state) {
             // What was not set at the template cannot be unset.
             if *now != then && !then.is_empty() {
@@ -300,8 +318,14 @@ fn write_faces(
                 *now = then;
             }
         }
+        if told != corners.lacks_source(f) {
+            told = !told;
+            let said: &[u8] = if told { b"# without a source" } else { b"# with a source" };
+            out.extend_from_slice(said);
+            out.extend_from_slice(line_end);
+        }
         out.push(b'f');
-        face.iter().for_each(|&v| corners.write(out, f, v));
+        (0..3).for_each(|k| corners.write(out, f, k));
         out.extend_from_slice(line_end);
     }
 }

@@ -1,16 +1,18 @@
 //! Texture coordinates and normals of an OBJ fill.
 //!
-//! A corner of a face names them beside its vertex. Where every vertex at a hole's rim has one
-//! and the same in all its faces, they go on into that hole: texture coordinates as harmonic
-//! functions, normals as the fill's own. Where a texture seam or a crease meets the rim there is
-//! no one value to go on from, and that hole's corners name the vertex only.
+//! A corner of a face names them beside its vertex. Faces that were copied from somewhere take the texture
+//! coordinates from there, see [`super::obj_texture`]. The others, if every vertex at their hole's rim has
+//! one and the same in all its faces, take what goes on from there as harmonic functions; normals are the
+//! fill's own. Where a texture seam or a crease meets the rim there is no one value to go on from, and
+//! those corners name the vertex only.
 
 use super::attributes::{Blend, Patch};
 use super::obj::{arguments, keyword, statements};
+use super::obj_texture::{Sourced, Texture};
 use super::text::{parse, push_real};
 use super::Mesh;
 use crate::result::Completion;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::io::Write;
 
 /// `vt` and `vn`: the second and third number of a corner.
@@ -41,6 +43,9 @@ pub(super) struct Corners<'a> {
     completion: &'a Completion,
     rim: &'a [u32],
     kinds: Vec<Kind>,
+    /// The `vt` numbers of the faces that have them from their source.
+    copied: Vec<Option<[u64; 3]>>,
+    some_copied: bool,
 }
 
 impl<'a> Corners<'a> {
@@ -51,10 +56,14 @@ impl<'a> Corners<'a> {
         mesh: &Mesh,
         completion: &'a Completion,
         patch: &'a Patch<'_>,
+        sourced: &Sourced,
         line_end: &[u8],
     ) -> Self {
         let uses = collect_uses(bytes, patch.rim());
-        let mut corners = Self { completion, rim: patch.rim(), kinds: Vec::new() };
+        let (rim, copied) = (patch.rim(), vec![None; completion.faces.len()]);
+        let mut corners = Self { completion, rim, kinds: Vec::new(), copied, some_copied: false };
+        let first_free = corners.write_copied(out, bytes, mesh, sourced, line_end);
+        let bare = corners.without_source();
         for (k, rim) in uses.into_iter().enumerate() {
             let mut kind =
                 Kind { rim, new: vec![None; completion.vertices.len()], without: HashSet::new() };
@@ -64,7 +73,9 @@ impl<'a> Corners<'a> {
             if width < if is_normal { 3 } else { 1 } {
                 kind.without.extend(&completion.face_hole);
             }
-            let wanted = |i: usize| !kind.without.contains(&completion.vertex_hole[i]);
+            let wanted = |i: usize| {
+                !kind.without.contains(&completion.vertex_hole[i]) && (k == 1 || bare[i])
+            };
             if !(0..kind.new.len()).any(wanted) {
                 corners.kinds.push(kind);
                 continue;
@@ -76,7 +87,7 @@ impl<'a> Corners<'a> {
                 patch.carry(&values, &vec![Blend::Smooth; width])
             };
             let width = if is_normal { 3 } else { width };
-            let mut next = count;
+            let mut next = if is_normal { count } else { count.max(first_free) };
             for i in (0..completion.vertices.len()).filter(|&i| wanted(i)) {
                 next += 1;
                 kind.new[i] = Some(next);
@@ -92,6 +103,57 @@ impl<'a> Corners<'a> {
         corners
     }
 
+    /// Writes the `vt` lines of what is copied; returns the last number.
+    fn write_copied(
+        &mut self,
+        out: &mut Vec<u8>,
+        bytes: &[u8],
+        mesh: &Mesh,
+        sourced: &Sourced,
+        line_end: &[u8],
+    ) -> u64 {
+        let Some(texture) = Texture::read(bytes) else { return 0 };
+        let mut last = texture.count() as u64;
+        // The same place of the same vertex is written once.
+        let mut written = HashMap::new();
+        let rows = sourced.texture(&texture, mesh, bytes);
+        for (f, rows) in rows.iter().enumerate() {
+            let Some(rows) = rows else { continue };
+            let mut numbers = [0; 3];
+            for k in 0..3 {
+                let key = (self.completion.faces[f][k], rows[k].map(f64::to_bits));
+                numbers[k] = *written.entry(key).or_insert_with(|| {
+                    last += 1;
+                    out.extend_from_slice(KINDS[0]);
+                    for &x in &rows[k][..texture.width] {
+                        out.push(b' ');
+                        push_real(out, x, true);
+                    }
+                    out.extend_from_slice(line_end);
+                    last
+                });
+            }
+            self.copied[f] = Some(numbers);
+            self.some_copied = true;
+        }
+        last
+    }
+
+    /// Which new vertices have a face whose texture coordinates are not copied.
+    fn without_source(&self) -> Vec<bool> {
+        let mut bare = vec![false; self.completion.vertices.len()];
+        for (face, _) in self.completion.faces.iter().zip(&self.copied).filter(|f| f.1.is_none()) {
+            let new = |v: u32| (v as usize).checked_sub(self.completion.input_vertex_count);
+            face.iter().filter_map(|&v| new(v)).for_each(|i| bare[i] = true);
+        }
+        bare
+    }
+
+    /// Whether texture coordinates were copied to some faces and not to this one.
+    pub fn lacks_source(&self, f: usize) -> bool {
+        self.some_copied && self.copied[f].is_none()
+    }
+
     fn find_holes_without(&self, kind: &mut Kind) {
         for (face, &hole) in self.completion.faces.iter().zip(&self.completion.face_hole) {
             let rim = face.iter().filter_map(|v| self.rim.binary_search(v).ok());
@@ -101,8 +163,9 @@ impl<'a> Corners<'a> {
         }
     }
 
-    /// Writes corner `v` of new face `f`.
-    pub fn write(&self, out: &mut Vec<u8>, f: usize, v: u32) {
+    /// Writes corner `k` of new face `f`.
+    pub fn write(&self, out: &mut Vec<u8>, f: usize, k: usize) {
+        let v = self.completion.faces[f][k];
         let hole = self.completion.face_hole[f];
         let number = |kind: &Kind| {
             if kind.without.contains(&hole) {
@@ -117,6 +180,7 @@ impl<'a> Corners<'a> {
             }
         };
         let [texture, normal] = [0, 1].map(|k| self.kinds.get(k).and_then(number));
+        let texture = self.copied[f].map(|t| t[k]).or(texture);
         let vertex = u64::from(v) + 1;
         // Writing to memory does not fail.
         let _ = match (texture, normal) {

@@ -1,6 +1,6 @@
 //! OFF of Geomview, with colours (COFF) and normals (NOFF): further numbers on a line are kept.
 
-use super::attributes::{Blend, Patch};
+use super::attributes::{Blend, Column, Patch};
 use super::edit::Edit;
 use super::error::{Fault, IoError, Parsed};
 use super::polygon::{Triangles, MAX_CORNERS};
@@ -249,12 +249,12 @@ pub(super) fn append(
     bytes: &[u8],
     mesh: &Mesh,
     completion: &Completion,
+    patch: &Patch<'_>,
 ) -> Result<Vec<Edit>, IoError> {
     let line_end = line_end(bytes);
-    let patch = Patch::new(completion);
     let new = [
-        write_vertices(layout, bytes, mesh, completion, &patch, line_end),
-        write_faces(layout, bytes, mesh, completion, &patch, line_end),
+        write_vertices(layout, bytes, mesh, completion, patch, line_end),
+        write_faces(layout, bytes, mesh, completion, patch, line_end),
     ];
     let added = [completion.vertices.len(), completion.faces.len()];
     let mut edits = Vec::new();
@@ -286,16 +286,21 @@ fn write_vertices(
     line_end: &[u8],
 ) -> Vec<u8> {
     let view = mesh.positions.view(bytes);
-    let rim = rim_extras(layout, bytes, patch);
-    let columns = rim.iter().map(Vec::len).min().unwrap_or(0);
+    let known = known_extras(layout, bytes, patch);
+    let columns = known.iter().map(Vec::len).min().unwrap_or(0);
     let number = |w: &[u8]| parse::<f64>(w).unwrap_or(f64::NAN);
     let values: Vec<f64> =
-        rim.iter().flat_map(|row| row[..columns].iter().map(|w| number(w))).collect();
-    let whole: Vec<bool> = (0..columns).map(|c| rim.iter().all(|row| is_whole(row[c]))).collect();
-    let carried = patch.carry(&values, &vec![Blend::Smooth; columns]);
+        known.iter().flat_map(|row| row[..columns].iter().map(|w| number(w))).collect();
+    let whole: Vec<bool> = (0..columns).map(|c| known.iter().all(|row| is_whole(row[c]))).collect();
+    // A colour stands last; it is in bytes or from 0 to 1.
+    let first = if layout.has_normals { 3.min(columns) } else { 0 };
+    let full = if whole[first..].iter().all(|w| *w) { 255.0 } else { 1.0 };
+    let colour = |c: usize| c.checked_sub(first).filter(|&k| k < 4).map(|k| (k, full));
+    let column = |c: usize| Column { blend: Blend::Copied, colour: colour(c) };
+    let carried = patch.complete(&values, &(0..columns).map(column).collect::<Vec<_>>());
     let normals = if layout.has_normals && columns >= 3 {
         let rim_normals: Vec<_> =
-            values.chunks_exact(columns).map(|r| [r[0], r[1], r[2]]).collect();
+            patch.rim_of(&values, columns).map(|r| [r[0], r[1], r[2]]).collect();
         patch.normals(view, &rim_normals)
     } else {
         Vec::new()
@@ -321,11 +326,11 @@ fn write_vertices(
     out
 }
 
-fn rim_extras<'a>(layout: &Layout, bytes: &'a [u8], patch: &Patch<'_>) -> Vec<Vec<&'a [u8]>> {
-    let mut rim = patch.rim().iter().peekable();
+fn known_extras<'a>(layout: &Layout, bytes: &'a [u8], patch: &Patch<'_>) -> Vec<Vec<&'a [u8]>> {
+    let mut known = patch.known().iter().peekable();
     let numbered = layout.vertex_extras(bytes).enumerate();
     numbered
-        .filter(|(i, _)| rim.next_if(|&&v| v as usize == *i).is_some())
+        .filter(|(i, _)| known.next_if(|&&v| v as usize == *i).is_some())
         .map(|(_, e)| e)
         .collect()
 }

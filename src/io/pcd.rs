@@ -1,10 +1,10 @@
 //! PCD of the Point Cloud Library, version 0.7, ascii and binary. Points whose coordinates are NaN
 //! stand for places where a scanner saw nothing.
 
-use super::attributes::Blend;
+use super::attributes::{Blend, Patch};
 use super::edit::Edit;
 use super::error::{Fault, Parsed};
-use super::table::{new_rows, rim, Column};
+use super::table::{new_rows, Column};
 use super::text::{line_end, parse, push_real, show, words, Line, Lines};
 use super::xyz::padded;
 use super::{Mesh, Positions};
@@ -284,7 +284,12 @@ impl Layout {
 }
 
 /// The edits that append new points: the cloud becomes one row of points, as an unordered one is.
-pub(super) fn append(layout: &Layout, bytes: &[u8], made: &PointCompletion) -> Vec<Edit> {
+pub(super) fn append(
+    layout: &Layout,
+    bytes: &[u8],
+    made: &PointCompletion,
+    patch: &Patch<'_>,
+) -> Vec<Edit> {
     let normals = layout.normal_fields();
     // A packed colour is four columns here.
     let mut columns = Vec::new();
@@ -295,27 +300,26 @@ pub(super) fn append(layout: &Layout, bytes: &[u8], made: &PointCompletion) -> V
         match (axis, normal) {
             (Some(axis), _) => columns.push(Column::Position(axis)),
             (_, Some(axis)) => columns.push(Column::Normal(axis)),
-            _ if f.is_packed() => columns.extend([Column::Carried(Blend::Smooth); 4]),
+            _ if f.is_packed() => columns.extend([2, 1, 0, 3].map(Column::Colour)),
             _ => columns.push(Column::Carried(blend)),
         }
     }
-    let wanted = rim(made);
-    let (mut wanted, mut i, mut at_rim) = (wanted.iter().peekable(), 0usize, Vec::new());
+    let (mut wanted, mut i, mut known) = (patch.known().iter().peekable(), 0usize, Vec::new());
     // The rows have been read before: they are all there.
     let _ = layout.each_row(bytes, |row| {
         if wanted.peek().is_some_and(|&&w| w as usize == i) {
             wanted.next();
             for (f, &x) in layout.fields.iter().zip(row) {
                 if f.is_packed() {
-                    at_rim.extend(f.bits(x).to_le_bytes().map(f64::from));
+                    known.extend(f.bits(x).to_le_bytes().map(f64::from));
                 } else {
-                    at_rim.push(x);
+                    known.push(x);
                 }
             }
         }
         i += 1;
     });
-    let rows = new_rows(made, &columns, &at_rim);
+    let rows = new_rows(made, patch, &columns, &known);
     let mut with = Vec::new();
     if !layout.binary && layout.end > 0 && !matches!(bytes[layout.end - 1], b'\n' | b'\r') {
         with.extend_from_slice(line_end(bytes));

@@ -1,9 +1,9 @@
 //! XYZ and its kin (ASC, PTS): a point a line, x, y and z first, whatever else after them.
 
-use super::attributes::Blend;
+use super::attributes::{Blend, Patch};
 use super::edit::Edit;
 use super::error::{Fault, Parsed};
-use super::table::{new_rows, rim, Column};
+use super::table::{new_rows, Column};
 use super::text::{
     coordinate, fits_single, is_blank, line_end, parse, push_real, show, Line, Lines,
 };
@@ -110,7 +110,7 @@ pub(super) fn read(bytes: &[u8]) -> Parsed<(Layout, Mesh)> {
         .map(|i| match (i, start) {
             (0..=2, _) => Column::Position(i),
             (_, Some(s)) if (s..s + 3).contains(&i) => Column::Normal(i - s),
-            _ => Column::Carried(Blend::Smooth),
+            _ => Column::Carried(Blend::Copied),
         })
         .collect();
     let positions = Positions::from_text(points, single);
@@ -177,6 +177,7 @@ pub(super) fn append(
     bytes: &[u8],
     mesh: &Mesh,
     made: &PointCompletion,
+    patch: &Patch<'_>,
 ) -> Vec<Edit> {
     let single = mesh.positions.view(bytes).is_single();
     let end = line_end(bytes);
@@ -184,8 +185,8 @@ pub(super) fn append(
     if !matches!(bytes[layout.end - 1], b'\n' | b'\r') {
         with.extend_from_slice(end);
     }
-    let at_rim = layout.table(bytes, &rim(made));
-    let rows = new_rows(made, &layout.columns, &at_rim);
+    let known = layout.table(bytes, patch.known());
+    let rows = new_rows(made, patch, &layout.columns, &known);
     for row in &rows {
         for (i, &x) in row.iter().enumerate() {
             if i > 0 {

@@ -12,9 +12,14 @@ pub struct Cloud {
     pub normals: Vec<DVec3>,
     /// Mean roughness, see [`Source::roughness`].
     pub roughness: Vec<f64>,
+    /// Mean tints, see [`super::paint`]; `None` without colours.
+    pub tints: Option<Vec<f64>>,
     /// Tree over the points.
     pub tree: PointTree,
 }
+
+/// A point, its normal, its roughness and its tint.
+pub type Sample = (DVec3, DVec3, f64, f64);
 
 /// Points of a cloud at most, so that small holes in large objects stay affordable.
 const MOST_POINTS: f64 = 1.2e5;
@@ -33,15 +38,16 @@ impl Cloud {
             let all = source.points.ids().iter();
             let point = |&v: &u32| {
                 let v = v as usize;
-                (source.positions[v], source.normals[v], source.roughness[v])
+                (source.positions[v], source.normals[v], source.roughness[v], source.tint(v))
             };
-            return Self::thin(all.map(point), spacing);
+            return Self::thin(all.map(point), spacing).painted(source);
         }
         let mut samples = Vec::new();
         for face in &source.faces {
             let p = face.map(|v| source.positions[v as usize]);
             let n = face.map(|v| source.normals[v as usize]);
             let rough = face.iter().map(|&v| source.roughness[v as usize]).sum::<f64>() / 3.0;
+            let tints = face.map(|v| source.tint(v as usize));
             let longest = (0..3).map(|k| p[k].distance(p[(k + 1) % 3])).fold(0.0, f64::max);
             // The middles of k² small triangles.
             let k = ((longest / spacing).ceil() as usize).clamp(1, 16);
@@ -52,37 +58,51 @@ impl Cloud {
                     let (a, b) = ((i as f64 + third) * step, ((j / 2) as f64 + third) * step);
                     let c = 1.0 - a - b;
                     let point = a * p[0] + b * p[1] + c * p[2];
-                    samples.push((point, a * n[0] + b * n[1] + c * n[2], rough));
+                    let tint = a * tints[0] + b * tints[1] + c * tints[2];
+                    samples.push((point, a * n[0] + b * n[1] + c * n[2], rough, tint));
                 }
             }
         }
-        Self::thin(samples.into_iter(), spacing)
+        Self::thin(samples.into_iter(), spacing).painted(source)
+    }
+
+    /// Forgets the tints of a source that has none.
+    fn painted(self, source: &Source) -> Self {
+        Self { tints: self.tints.filter(|_| source.paint.is_some()), ..self }
     }
 
     /// One point for each cubic cell of width `spacing` and each octant of the normal: the two
     /// sides of a thin wall are not averaged. Points without a normal are left out.
-    pub fn thin(points: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone, spacing: f64) -> Self {
+    pub fn thin(points: impl Iterator<Item = Sample> + Clone, spacing: f64) -> Self {
         let low = points.clone().fold(DVec3::INFINITY, |low, (p, ..)| low.min(p));
-        let points: Vec<_> = points.filter(|(_, n, _)| *n != DVec3::ZERO).collect();
+        let points: Vec<_> = points.filter(|(_, n, ..)| *n != DVec3::ZERO).collect();
         let mut cells: Vec<([u32; 3], u8, u32)> = points
             .iter()
             .enumerate()
-            .map(|(i, (p, n, _))| {
+            .map(|(i, (p, n, ..))| {
                 let cell = ((*p - low) / spacing).to_array().map(|x| x as u32);
                 (cell, n.cmplt(DVec3::ZERO).bitmask() as u8, i as u32)
             })
             .collect();
         // By index at last, so that the sums below run in input order.
         cells.sort_unstable();
-        let (mut means, mut normals, mut roughness) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut means, mut normals) = (Vec::new(), Vec::new());
+        let (mut roughness, mut tints) = (Vec::new(), Vec::new());
         for same in cells.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let count = same.len() as f64;
             let members = || same.iter().map(|c| &points[c.2 as usize]);
             means.push(members().map(|m| m.0).sum::<DVec3>() / count);
             normals.push(members().map(|m| m.1).sum::<DVec3>().normalize_or_zero());
             roughness.push(members().map(|m| m.2).sum::<f64>() / count);
+            tints.push(members().map(|m| m.3).sum::<f64>() / count);
         }
-        Self { tree: PointTree::of_all(&means), points: means, normals, roughness }
+        Self {
+            tree: PointTree::of_all(&means),
+            points: means,
+            normals,
+            roughness,
+            tints: Some(tints),
+        }
     }
 }
 
@@ -115,7 +135,7 @@ mod tests {
     #[test]
     fn sides_of_a_wall_stay_apart_and_points_without_normal_go() {
         let points = [(0.01, 1.0), (0.02, 1.0), (0.03, -1.0), (0.04, 0.0)]
-            .map(|(z, n)| (DVec3::new(0.0, 0.0, z), DVec3::Z * n, z));
+            .map(|(z, n)| (DVec3::new(0.0, 0.0, z), DVec3::Z * n, z, 0.0));
         let cloud = Cloud::thin(points.into_iter(), 1.0);
         assert_eq!(cloud.points.len(), 2);
         let up = cloud.normals.iter().position(|n| n.z > 0.0).unwrap();

@@ -42,6 +42,8 @@ pub struct HeightMap {
     height: [Row; RADII],
     /// 1 where something is known, else 0.
     known: [Row; RADII],
+    /// Mean tint, if there are colours.
+    tint: Option<Box<[Row; RADII]>>,
 }
 
 /// A centre and three axes, the last one the normal.
@@ -82,6 +84,7 @@ impl HeightMap {
             roughness: 0.0,
             height: [[0.0; ANGLES]; RADII],
             known: [[0.0; ANGLES]; RADII],
+            tint: cloud.tints.as_ref().map(|_| Box::new([[0.0; ANGLES]; RADII])),
         };
         let normal = frame.axes.z_axis;
         let mut points = 0.0;
@@ -96,6 +99,9 @@ impl HeightMap {
             if let Some((r, a)) = bin_of(local, radius) {
                 map.height[r][a] += local.z as f32;
                 map.known[r][a] += 1.0;
+                if let (Some(tint), Some(tints)) = (&mut map.tint, &cloud.tints) {
+                    tint[r][a] += tints[i as usize] as f32;
+                }
                 map.roughness += cloud.roughness[i as usize];
                 points += 1.0;
             }
@@ -105,8 +111,14 @@ impl HeightMap {
             for a in 0..ANGLES {
                 if map.known[r][a] > 0.0 {
                     map.height[r][a] /= map.known[r][a];
+                    if let Some(tint) = &mut map.tint {
+                        tint[r][a] /= map.known[r][a];
+                    }
                     map.known[r][a] = 1.0;
                 }
+            }
+            if let Some(tint) = &mut map.tint {
+                bridge_gaps(&mut tint[r], &mut map.known[r].clone(), widest_gap(r));
             }
             bridge_gaps(&mut map.height[r], &mut map.known[r], widest_gap(r));
         }
@@ -187,6 +199,10 @@ pub struct RingPattern {
     radius: f64,
     /// Mean roughness of what is known.
     roughness: f64,
+    /// Tints of the bins, if they are compared.
+    tints: Vec<f32>,
+    /// What a difference of 1 in tint is worth, in mesh units.
+    paint: f64,
 }
 
 /// A place on the source whose surroundings look like the ring.
@@ -203,7 +219,8 @@ pub struct Candidate {
 impl RingPattern {
     /// From the map of the known points; bins that hold a point of the fill are unknown. Only bins
     /// nearer than `reach` (mesh units) are compared.
-    pub fn new(known: &HeightMap, fill: &[DVec3], radius: f64, reach: f64) -> Self {
+    /// `paint`: what a difference of 1 in tint is worth, in mesh units.
+    pub fn new(known: &HeightMap, fill: &[DVec3], radius: f64, reach: f64, paint: f64) -> Self {
         let frame = known.frame;
         let mut filled = [[false; ANGLES]; RADII];
         let mut inner = 0;
@@ -216,6 +233,7 @@ impl RingPattern {
         let step = radius / RADII as f64;
         let last = ((reach / step).ceil() as usize).min(RADII);
         let (mut bins, mut sums) = ([Vec::new(), Vec::new()], Sums::default());
+        let mut tints = Vec::new();
         for r in 0..last {
             for a in (0..ANGLES).filter(|&a| known.known[r][a] > 0.0 && !filled[r][a]) {
                 let turn = (a as f64 + 0.5) / ANGLES as f64 * std::f64::consts::TAU;
@@ -228,9 +246,10 @@ impl RingPattern {
                 bins[0].push(Bin { r, a, moments });
                 bins[1].push(Bin { r, a: ANGLES - 1 - a, moments });
                 sums.add(1.0, x, y, h);
+                tints.extend(known.tint.as_ref().map(|t| t[r][a]));
             }
         }
-        Self { frame, bins, sums, inner, radius, roughness: known.roughness }
+        Self { tints, paint, frame, bins, sums, inner, radius, roughness: known.roughness }
     }
 
     /// Whether there is enough to compare with.
@@ -246,10 +265,16 @@ impl RingPattern {
         let bland = blandness(self.roughness, map.roughness);
         let doubled = Doubled::new(map);
         for mirrored in [false, true].into_iter().take(1 + usize::from(mirror)) {
-            let all = self.correlate(&self.bins[usize::from(mirrored)], &doubled);
+            let bins = &self.bins[usize::from(mirrored)];
+            let all = self.correlate(bins, &doubled);
+            let tints = doubled.tint.as_deref().map(|t| self.compare_tints(bins, t, &doubled));
             let mut best: Vec<(f64, usize, DVec3)> = (0..ANGLES)
                 .filter_map(|turn| {
                     let (cost, plane) = self.cost(&all[turn])?;
+                    let cost = match &tints {
+                        Some(tints) => cost.hypot(self.paint * (tints[turn] / all[turn].n).sqrt()),
+                        None => cost,
+                    };
                     Some((cost, turn, plane))
                 })
                 .collect();
@@ -299,6 +324,18 @@ impl RingPattern {
             };
             target.less(std::array::from_fn(|m| f64::from(with_height[m][turn])))
         })
+    }
+
+    /// Σ (tint of the target − of the source)² at all turns.
+    fn compare_tints(&self, bins: &[Bin], tint: &Twice, map: &Doubled) -> [f64; ANGLES] {
+        let (mut own, mut both, mut other) = ([0f32; ANGLES], [0f32; ANGLES], [0f32; ANGLES]);
+        for (b, &t) in bins.iter().zip(&self.tints) {
+            let row = &tint[b.r][b.a..b.a + ANGLES];
+            add_scaled(&mut own, t * t, &map.known[b.r][b.a..b.a + ANGLES]);
+            add_scaled(&mut both, t, row);
+            other.iter_mut().zip(row).for_each(|(s, x)| *s += x * x);
+        }
+        std::array::from_fn(|k| f64::from(own[k] - 2.0 * both[k] + other[k]).max(0.0))
     }
 
     /// Cost of the sums, and the plane taken out.
@@ -379,7 +416,10 @@ struct Doubled {
     known: [[f32; 2 * ANGLES]; RADII],
     /// Whether all of a row is known.
     is_whole: [bool; RADII],
+    tint: Option<Box<Twice>>,
 }
+
+type Twice = [[f32; 2 * ANGLES]; RADII];
 
 impl Doubled {
     fn new(map: &HeightMap) -> Self {
@@ -393,6 +433,7 @@ impl Doubled {
             out
         };
         Self {
+            tint: map.tint.as_deref().map(|t| Box::new(twice(t, |t| t))),
             height: twice(&map.height, |h| h),
             square: twice(&map.height, |h| h * h),
             known: twice(&map.known, |k| k),
@@ -454,7 +495,7 @@ mod tests {
         let side = |i: usize| 2.4 * i as f64 / n as f64 - 1.2;
         let points = (0..n * n).map(|k| {
             let (p, m) = hills(side(k % n), side(k / n));
-            (t.point(p), t.direction(m), 0.0)
+            (t.point(p), t.direction(m), 0.0, 0.0)
         });
         Cloud::thin(points, 0.04)
     }
@@ -483,7 +524,7 @@ mod tests {
             let known = map_at(&target, centre, truth.direction(DVec3::Z), radius);
             let hole: Vec<DVec3> =
                 target.points.iter().copied().filter(|p| p.distance(centre) < 0.35).collect();
-            let pattern = RingPattern::new(&known, &hole, radius, radius);
+            let pattern = RingPattern::new(&known, &hole, radius, radius, 0.0);
             assert!(pattern.is_useful());
             let mut found = Vec::new();
             places.iter().for_each(|m| pattern.compare(m, true, &mut found));
@@ -509,12 +550,12 @@ mod tests {
             let side = |i: usize| 3.0 * i as f64 / n as f64 - 1.5;
             let points = (0..n * n).map(move |k| {
                 let (x, y) = (side(k % n), side(k / n));
-                (DVec3::new(x, y, slope * x + lift), DVec3::Z, 0.0)
+                (DVec3::new(x, y, slope * x + lift), DVec3::Z, 0.0, 0.0)
             });
             Cloud::thin(points, 0.04)
         };
         let map = |cloud: &Cloud| map_at(cloud, DVec3::ZERO, DVec3::Z, 1.0);
-        let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, 1.0);
+        let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, 1.0, 0.0);
         let mut found = Vec::new();
         pattern.compare(&map(&level(0.3, 0.1)), true, &mut found);
         assert!(!found.is_empty());

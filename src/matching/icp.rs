@@ -3,8 +3,10 @@
 //!
 //! Differences from the paper: only known points take part, never the initial completion, which
 //! would be matched to what is as smooth as itself. Points whose nearest source point lies on a
-//! boundary loop say nothing and are dropped.
+//! boundary loop say nothing and are dropped. Where there are colours, each pair also asks that the
+//! tints agree (Park, Zhou, Koltun 2017, "Colored point cloud registration revisited").
 
+use super::paint::{Paint, EDGES, FARTHEST};
 use super::rigid::Rigid;
 use super::source::Source;
 use crate::intersect::closest_point_on_triangle;
@@ -22,8 +24,11 @@ const ROUGHLY: f64 = 3e-2;
 /// No face.
 const NONE: u32 = u32::MAX;
 
-/// A known point of the ring with its normal.
-pub type RingPoint = (DVec3, DVec3);
+/// A known point of the ring with its normal and its tint (0 without colours).
+pub type RingPoint = (DVec3, DVec3, f64);
+
+/// A point of the source with its normal, its tint and the tint's slope.
+type Met = (DVec3, DVec3, f64, DVec3);
 
 /// How a ring point finds its partner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +52,7 @@ pub fn align(
 ) -> Rigid {
     // From target to source: the source's trees do not move.
     let mut back = start.inverse();
-    let extent = ring.iter().fold(0.0, |d: f64, (p, _)| d.max(p.distance(ring[0].0)));
+    let extent = ring.iter().fold(0.0, |d: f64, (p, ..)| d.max(p.distance(ring[0].0)));
     let still = match partner {
         Partner::Vertex => ROUGHLY,
         Partner::Surface => STILL,
@@ -78,27 +83,35 @@ fn improve(
     keep: f64,
     hints: &mut [u32],
 ) -> Option<Rigid> {
-    let mut pairs: Vec<(f64, DVec3, DVec3)> = Vec::with_capacity(ring.len());
-    for (&(p, n), hint) in ring.iter().zip(hints) {
+    let paint = worth(source);
+    let mut pairs: Vec<(f64, DVec3, DVec3, f64, DVec3)> = Vec::with_capacity(ring.len());
+    for (&(p, n, tint), hint) in ring.iter().zip(hints) {
         let (p, n) = (back.point(p), back.direction(n));
-        if let Some((q, m)) = find_partner(source, p, partner, radius, hint) {
+        if let Some((q, m, other, slope)) = find_partner(source, p, partner, radius, hint) {
             if n.dot(m) > AGREE {
-                pairs.push(((q - p).dot(m), p, m));
+                let off = tint - other - slope.dot(p - q);
+                pairs.push(((q - p).dot(m), p, m, paint * off, paint * slope));
             }
         }
     }
     if pairs.len() < 12 {
         return None;
     }
-    pairs.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    pairs.sort_by(|a, b| (a.0.abs() + a.3.abs()).total_cmp(&(b.0.abs() + b.3.abs())));
     pairs.truncate((keep * pairs.len() as f64) as usize);
     let middle = pairs.iter().map(|p| p.1).sum::<DVec3>() / pairs.len() as f64;
     let (mut a, mut b) = (Matrix6::<f64>::zeros(), Vector6::<f64>::zeros());
-    for &(gap, p, m) in &pairs {
+    let mut add = |gap: f64, p: DVec3, m: DVec3| {
         let c = (p - middle).cross(m);
         let row = Vector6::new(c.x, c.y, c.z, m.x, m.y, m.z);
         a += row * row.transpose();
         b += gap * row;
+    };
+    for &(gap, p, m, off, slope) in &pairs {
+        add(gap, p, m);
+        if paint > 0.0 {
+            add(off, p, slope);
+        }
     }
     // A plane or a cylinder leaves directions free: they stay as they are.
     let scale = pairs.iter().map(|p| p.1.distance_squared(middle)).sum::<f64>();
@@ -110,8 +123,17 @@ fn improve(
     // A larger turn than 20° is beyond the linearisation.
     let angle = turn.length().min(0.35);
     let rotation = DMat3::from_quat(DQuat::from_scaled_axis(turn.normalize_or_zero() * angle));
-    let shift = DVec3::new(x[3], x[4], x[5]);
+    let mut shift = DVec3::new(x[3], x[4], x[5]);
+    if paint > 0.0 {
+        // Farther than this no slope says anything.
+        shift = shift.clamp_length_max(0.2 * radius);
+    }
     Some(Rigid { linear: rotation, translation: middle + shift - rotation * middle })
+}
+
+/// What a difference of 1 in tint is worth, in mesh units; 0 without colours.
+pub fn worth(source: &Source) -> f64 {
+    source.paint.as_ref().map_or(0.0, |_| EDGES * source.edge)
 }
 
 fn find_partner(
@@ -120,13 +142,15 @@ fn find_partner(
     partner: Partner,
     radius: f64,
     hint: &mut u32,
-) -> Option<(DVec3, DVec3)> {
+) -> Option<Met> {
     match partner {
         Partner::Vertex => {
             let (v, d2) = source.points.nearest(p)?;
             let v = v as usize;
             let usable = d2 <= radius * radius && !source.on_boundary[v];
-            usable.then(|| (source.positions[v], source.normals[v]))
+            let (tint, slope) =
+                source.paint.as_ref().map_or((0.0, DVec3::ZERO), |p| (p.tint[v], p.slopes[v]));
+            usable.then(|| (source.positions[v], source.normals[v], tint, slope))
         }
         Partner::Surface => {
             let mut most = radius * radius;
@@ -139,8 +163,11 @@ fn find_partner(
             if source.touches_boundary(hit.face) {
                 return None;
             }
-            let m = source.smooth_normal(hit.face, source.barycentric(hit.face, hit.point));
-            Some((hit.point, m))
+            let weights = source.barycentric(hit.face, hit.point);
+            let corners = source.faces[hit.face as usize];
+            let tint_at = |p: &Paint| p.tint_at(corners, weights);
+            let (tint, slope) = source.paint.as_ref().map_or((0.0, DVec3::ZERO), tint_at);
+            Some((hit.point, source.smooth_normal(hit.face, weights), tint, slope))
         }
     }
 }
@@ -149,16 +176,20 @@ fn find_partner(
 /// most half of `radius`) plus half an edge for each unit of disagreement of the normals.
 pub fn misfit(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f64) -> f64 {
     let back = transform.inverse();
+    let paint = worth(source);
     let (mut square, mut turned) = (0.0, 0.0);
-    for &(p, n) in ring {
+    for &(p, n, tint) in ring {
         let most = 0.5 * radius;
         let (p, n) = (back.point(p), back.direction(n));
-        let (gap, cosine) =
+        let (gap, cosine, off) =
             match find_partner(source, p, Partner::Vertex, radius, &mut NONE.clone()) {
-                Some((q, m)) => ((q - p).dot(m).abs().min(most), n.dot(m)),
-                None => (most, 0.0),
+                Some((q, m, other, slope)) => {
+                    let off = (tint - other - slope.dot(p - q)).abs().min(FARTHEST);
+                    ((q - p).dot(m).abs().min(most), n.dot(m), off)
+                }
+                None => (most, 0.0, FARTHEST),
             };
-        square += gap * gap;
+        square += gap * gap + (paint * off).powi(2);
         turned += 1.0 - cosine;
     }
     let n = ring.len().max(1) as f64;
@@ -175,7 +206,7 @@ mod tests {
         let at = |k: usize| {
             let (r, turn) = (0.45 + 0.05 * (k % 5) as f64, 0.1 * k as f64);
             let (p, n) = hills(r * turn.cos(), r * turn.sin());
-            (to_target.point(p), to_target.direction(n))
+            (to_target.point(p), to_target.direction(n), 0.0)
         };
         (0..160).map(at).collect()
     }

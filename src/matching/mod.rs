@@ -6,6 +6,7 @@ pub mod consistent;
 pub mod height_map;
 pub mod icp;
 pub mod object;
+pub mod paint;
 pub mod patch;
 pub mod rigid;
 pub mod search;

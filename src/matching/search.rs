@@ -2,7 +2,7 @@
 
 use super::cloud::Cloud;
 use super::height_map::{keep_different, Candidate, Frame, HeightMap, RingPattern};
-use super::icp::{align, misfit, Partner, RingPoint, KEEP};
+use super::icp::{align, misfit, worth, Partner, RingPoint, KEEP};
 use super::source::Source;
 use crate::error::Result;
 use crate::parallel;
@@ -67,6 +67,8 @@ pub struct Maps {
     known: Arc<Cloud>,
     /// Whether mirrored copies may be made.
     mirrored: bool,
+    /// What a difference of 1 in tint is worth, in mesh units; 0 without colours.
+    paint: f64,
     centres: Cloud,
     maps: Vec<OnceLock<Option<HeightMap>>>,
 }
@@ -110,10 +112,10 @@ impl Maps {
         mirrored: bool,
     ) -> Self {
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
-        let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0);
+        let point = |i: usize| (cloud.points[i], cloud.normals[i], 0.0, 0.0);
         let centres = Cloud::thin((0..cloud.points.len()).map(point), spacing);
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
-        Self { radius, cloud, known, mirrored, centres, maps }
+        Self { radius, cloud, known, mirrored, paint: worth(source), centres, maps }
     }
 
     /// The map around a centre; `None` where the surface has no side to be seen from.
@@ -227,8 +229,10 @@ fn search_maps(
             let frame = Frame::new(target.centre, target.normal);
             let around = maps.known.tree.within(target.centre, 1.5 * reach);
             let known = HeightMap::new(&maps.known, &around, frame, reach);
-            let ring =
-                |w: &f64| RingPattern::new(&known, target.fill, reach, (1.0 + w) * target.radius);
+            let ring = |w: &f64| {
+                let width = (1.0 + w) * target.radius;
+                RingPattern::new(&known, target.fill, reach, width, maps.paint)
+            };
             widths.iter().map(ring).collect::<Vec<_>>()
         })
         .collect();
@@ -284,8 +288,9 @@ fn wide_ring(known: &Source, target: &Target<'_>) -> Vec<RingPoint> {
     let near = known.points.within(target.centre, 2.0 * target.radius);
     let points: Vec<RingPoint> = near
         .iter()
-        .map(|&v| (known.positions[v as usize], known.normals[v as usize]))
-        .filter(|(_, n)| n.dot(target.normal) > 0.0)
+        .map(|&v| v as usize)
+        .map(|v| (known.positions[v], known.normals[v], known.tint(v)))
+        .filter(|(_, n, _)| n.dot(target.normal) > 0.0)
         .collect();
     thin_ring(&points, POINTS[1])
 }
@@ -359,7 +364,7 @@ mod tests {
         let at = |k: usize| {
             let (r, turn) = (k as f64 / 1000.0, 0.7 * k as f64);
             let (p, n) = hills(r * turn.cos(), r * turn.sin());
-            (t.point(p), t.direction(n))
+            (t.point(p), t.direction(n), 0.0)
         };
         let inside = |k: &usize| radii.contains(&(*k as f64 / 1000.0));
         (0..2000).filter(inside).map(at).collect()
@@ -391,9 +396,10 @@ mod tests {
             let found = run(1);
             assert!(found.len() <= 38 && found.is_sorted_by(|a, b| a.cost <= b.cost));
             let best = found[0].transform;
-            let off = ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, _)| {
-                m.max(best.point(truth.inverse().point(*p)).distance(*p))
-            });
+            let off =
+                ring.iter().chain(&polar(&truth, 0.0..RADIUS)).fold(0.0, |m: f64, (p, ..)| {
+                    m.max(best.point(truth.inverse().point(*p)).distance(*p))
+                });
             println!("mirrored {mirrored}: {:.4} edges", off / source.edge);
             assert_eq!(best.is_mirrored(), mirrored);
             assert!(off < 0.05 * source.edge, "{off}");
@@ -424,7 +430,7 @@ mod tests {
         let thin = thin_ring(&ring, 100);
         assert!((50..=100).contains(&thin.len()), "{}", thin.len());
         assert!(thin.iter().all(|p| ring.contains(p)));
-        for (p, _) in &ring {
+        for (p, ..) in &ring {
             let near = thin.iter().map(|q| q.0.distance(*p)).fold(f64::INFINITY, f64::min);
             assert!(near < 0.3);
         }

@@ -1,6 +1,7 @@
 //! The source: what is known of the object, or the part of it and of an exemplar that may be copied
 //! from, ready to be searched.
 
+use super::paint::Paint;
 use crate::error::Result;
 use crate::intersect::Bvh;
 use crate::mesh::boundary::find_boundary;
@@ -36,6 +37,8 @@ pub struct Source {
     pub roughness: Vec<f64>,
     /// Mean length of the edges at each vertex, in mesh units.
     pub lengths: Vec<f64>,
+    /// The colours that steer the search, if there are any.
+    pub paint: Option<Paint>,
 }
 
 /// A k-d tree over points that may be few or none.
@@ -111,6 +114,17 @@ impl Source {
             parts.append(Parts::of(view, boundary, &|_| true), mesh.faces.len());
         }
         Ok(parts.build())
+    }
+
+    /// With the colours of the mesh and its exemplar.
+    pub fn painted(mut self, paint: &Option<Paint>) -> Self {
+        self.paint = paint.as_ref().map(|p| p.on(&self.positions, &self.faces));
+        self
+    }
+
+    /// The tint of a vertex; 0 without colours.
+    pub fn tint(&self, v: usize) -> f64 {
+        self.paint.as_ref().map_or(0.0, |p| p.tint[v])
     }
 
     /// Unit normal of a face; zero if it has no area.
@@ -204,6 +218,7 @@ impl Parts {
         let edge = length / (3 * faces.len().max(1)) as f64;
         let (roughness, lengths) = edge_means(&positions, &normals, &faces, edge);
         Source {
+            paint: None,
             roughness,
             lengths,
             tree: Bvh::new(&positions, &faces),

@@ -210,6 +210,8 @@ mod tests {
                 method: Method::Coherent,
                 fairing: Fairing::C1,
                 sources: vec![source(0.7), source(0.3)],
+                seams: Vec::new(),
+                ring: Vec::new(),
                 confidence: 0.9,
                 coherence_error: None,
                 vertices: 0..2,

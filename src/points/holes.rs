@@ -5,11 +5,13 @@ use super::clean::{clean, Cleaned};
 use super::normals::normals;
 use super::surface::surface;
 use super::tidy::{tidy, Rim, RimKind};
-use super::{vertex_normals, Completion, HoleStatus, Origin, PointCompletion, Vertices, NONE};
+use super::{
+    vertex_normals, Completion, Copied, HoleStatus, Origin, PointCompletion, Vertices, NONE,
+};
 use crate::error::{Error, Result};
 use crate::holes::{find_holes, HoleKind, HoleList};
 use crate::mesh::{MeshView, VertexView};
-use crate::options::Grouping;
+use crate::options::{Appearance, Grouping, Sources};
 use crate::progress::Monitor;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -194,6 +196,20 @@ impl Scaffold {
         (found, numbers)
     }
 
+    /// The values of the mesh's vertices.
+    pub fn appearance(
+        &self,
+        of: &Appearance,
+        points: usize,
+        sources: &Sources,
+    ) -> Result<Appearance> {
+        of.check(points, sources)?;
+        let row = |&v: &u32| &of.values[v as usize * of.channels..][..of.channels];
+        let values = self.ids.iter().flat_map(row).copied().collect();
+        let exemplar_values = of.exemplar_values.clone();
+        Ok(Appearance { values, exemplar_values, ..*of })
+    }
+
     /// A completion of the mesh as one of the cloud.
     pub fn into_points(
         self,
@@ -205,10 +221,12 @@ impl Scaffold {
         let (old, new) = (self.ids.len() as u32, cloud.len() as u32);
         let number = |h: usize| numbers.iter().position(|&n| n == h).unwrap_or(usize::MAX);
         let source_points = made.origins.iter().map(|o| self.source_point(o)).collect();
+        let origins = made.origins.clone();
         for o in &mut made.origins {
             *o = Origin { face: NONE, barycentric: [0.0; 3], ..*o };
         }
-        for v in made.faces.iter_mut().flatten() {
+        let seams = made.holes.iter_mut().flat_map(|h| h.seams.iter_mut().chain(&mut h.ring));
+        for v in made.faces.iter_mut().flatten().chain(seams.map(|s| &mut s.vertex)) {
             *v = if *v < old { self.ids[*v as usize] } else { *v - old + new };
         }
         made.vertex_hole
@@ -225,7 +243,11 @@ impl Scaffold {
         }
         (made.input_vertex_count, made.input_face_count) = (cloud.len(), 0);
         let normals = new_normals(&made, cloud);
-        PointCompletion { completion: made, normals, source_points, found }
+        let mut faces = self.faces;
+        faces.iter_mut().flatten().for_each(|v| *v = self.ids[*v as usize]);
+        let copied = Copied { faces, origins };
+        let values = Vec::new();
+        PointCompletion { completion: made, normals, source_points, values, copied, found }
     }
 
     /// The input point nearest to an origin.

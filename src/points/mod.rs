@@ -24,6 +24,7 @@ use crate::progress::Monitor;
 use crate::result::{Completion, HoleStatus, Origin, NONE};
 use cpu_time::ProcessTime;
 use holes::Scaffold;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// New points for the holes of a cloud. The input is not in it: the caller has it, and it does not
@@ -38,8 +39,32 @@ pub struct PointCompletion {
     /// For each new point the input point nearest to where its detail was copied from;
     /// [`crate::result::NONE`] if from nowhere.
     pub source_points: Vec<u32>,
+    /// For each new point the numbers that [`Options::appearance`] gave the input's; empty without.
+    pub values: Vec<f64>,
+    /// What else the points carry can be copied with it.
+    pub copied: Copied,
     /// All holes and borders found, filled or not.
     pub found: PointHoles,
+}
+
+/// The mesh that was laid through the points, and where on it the detail was copied from.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Copied {
+    /// Its faces, over the cloud's points.
+    pub faces: Vec<[u32; 3]>,
+    /// The origins of the new points, with faces; none: as in the completion.
+    pub origins: Vec<Origin>,
+}
+
+impl PointCompletion {
+    /// The completion as one of the mesh through the points.
+    pub(crate) fn on_mesh(&self) -> Completion {
+        let mut made = self.completion.clone();
+        if self.copied.origins.len() == made.origins.len() {
+            made.origins.clone_from(&self.copied.origins);
+        }
+        Completion { input_face_count: self.copied.faces.len(), ..made }
+    }
 }
 
 /// Fills the holes of a point cloud.
@@ -76,9 +101,16 @@ pub fn complete_points_with(
     let (found, numbers) = scaffold.holes(completer.holes());
     let wanted = wanted(points, &found, &options.selection)?;
     let ids: Vec<usize> = (0..numbers.len()).filter(|&h| wanted[h]).map(|h| numbers[h]).collect();
-    let local = Options { selection: Selection::Ids(ids), grouping, ..options.clone() };
+    let appearance = options.appearance.as_deref();
+    let appearance = appearance.map(|a| scaffold.appearance(a, points.len(), &options.sources));
+    let appearance = appearance.transpose()?.map(Arc::new);
+    let selection = Selection::Ids(ids);
+    let local = Options { selection, grouping, appearance: appearance.clone(), ..options.clone() };
     let made = completer.complete(&local, monitor)?;
-    let mut made = scaffold.into_points(made, points, found, &numbers);
+    let exemplar = options.sources.exemplar.as_deref();
+    let values = appearance.map(|a| a.complete(mesh.faces, exemplar, &made)).unwrap_or_default();
+    let made = scaffold.into_points(made, points, found, &numbers);
+    let mut made = PointCompletion { values, ..made };
     made.completion.seconds = clock.elapsed().as_secs_f64();
     made.completion.cpu_seconds = cpu.elapsed().as_secs_f64();
     Ok(made)

@@ -132,6 +132,13 @@ impl Sample {
         })
     }
 
+    /// A colour (red, green, blue, alpha) for each of these positions on the model; `None` if it is not
+    /// painted. Only the vessel is: a braid and stipples that go with the relief, and a band on the neck
+    /// that is nothing but paint.
+    pub fn paint(self, positions: &[[f32; 3]]) -> Option<Vec<[u8; 4]>> {
+        (self == Sample::Vessel).then(|| vessel::paint(positions))
+    }
+
     /// Longest side of the bounding box, to a few per cent.
     pub fn longest_side(self) -> f64 {
         match self {

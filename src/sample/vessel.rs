@@ -92,6 +92,48 @@ pub(super) fn build(edge: f64) -> SampleMesh {
     })
 }
 
+/// The clay, the slip of the bands, and the two paints.
+const CLAY: [f64; 3] = [176.0, 104.0, 66.0];
+const SLIP: [f64; 3] = [232.0, 214.0, 178.0];
+const BLUE: [f64; 3] = [38.0, 66.0, 128.0];
+const BLACK: [f64; 3] = [46.0, 34.0, 30.0];
+/// A zigzag on the neck, where there is no relief.
+const ZIGZAG: [f64; 2] = [2.00, 2.34];
+/// Paint runs out over so much of a motif.
+const EDGE: f64 = 0.12;
+
+/// The colour at a height and an angle (0 to 1 around).
+fn colour(height: f64, u: f64) -> [f64; 3] {
+    let across = |band: [f64; 2]| (height - band[0]) / (band[1] - band[0]);
+    let mix = |a: [f64; 3], b: [f64; 3], t: f64| [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]));
+    let v = across(STIPPLES);
+    if (0.0..=1.0).contains(&v) {
+        let pitch = TAU * 1.02 / 44.0;
+        let dot = stipple(44.0 * u, (height - STIPPLES[0]) / (pitch * ROW_STEP));
+        let ground = mix(CLAY, SLIP, inside_band(v));
+        return mix(ground, BLACK, smoothstep(0.3, 0.6, dot) * inside_band(v));
+    }
+    let v = across(BRAID);
+    if (0.0..=1.0).contains(&v) {
+        let strand = smoothstep(0.3, 0.6, braid(24.0 * u, v));
+        return mix(CLAY, mix(BLUE, SLIP, strand), inside_band(v));
+    }
+    let v = across(ZIGZAG);
+    let wave = (2.0 * (16.0 * u).fract() - 1.0).abs();
+    let near = 1.0 - ((v - 0.25 - 0.5 * wave) / 0.22).abs();
+    mix(CLAY, BLUE, smoothstep(0.0, EDGE, near))
+}
+
+/// Colours of points of the vessel, rounded to bytes.
+pub(super) fn paint(positions: &[[f32; 3]]) -> Vec<[u8; 4]> {
+    let of = |p: &[f32; 3]| {
+        let u = f64::from(p[0]).atan2(f64::from(p[2])) / TAU + 1.0;
+        let [r, g, b] = colour(f64::from(p[1]), u).map(|x| x.round() as u8);
+        [r, g, b, 255]
+    };
+    positions.iter().map(of).collect()
+}
+
 pub(super) fn site() -> Site {
     Site {
         point: [0.0, 1.45, 1.07],

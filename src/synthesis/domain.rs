@@ -10,6 +10,7 @@ use super::rank::known_normals;
 use crate::fill::patch::Patch;
 use crate::fill::sheet::{Band, Incidence, Laplacian, Sheet, Weights};
 use crate::matching::icp::RingPoint;
+use crate::matching::paint::Paint;
 use crate::matching::search::Target;
 use crate::mesh::neighbourhood::Neighbourhood;
 use crate::mesh::normals::vertex_normals;
@@ -70,6 +71,8 @@ pub struct Domain {
     pub edge: f64,
     /// Middle of the fill.
     pub centre: DVec3,
+    /// Colours of the known vertices, by sheet vertex, if there are any.
+    pub paint: Option<Paint>,
 }
 
 impl Domain {
@@ -111,6 +114,7 @@ impl Domain {
             depth,
             edge,
             centre,
+            paint: None,
             laplacian,
             sheet,
         };
@@ -130,10 +134,19 @@ impl Domain {
         self
     }
 
-    /// Positions and normals of the ring.
+    /// With the colours of what is known, by input vertex.
+    pub fn painted(mut self, known: &Option<Paint>, near: &Neighbourhood) -> Self {
+        let input = |v: usize| near.vertices[self.near_vertex(v) as usize] as usize;
+        let of = |v: usize| self.is_known(v).then(|| input(v));
+        self.paint = known.as_ref().map(|p| p.part((0..self.sheet.positions.len()).map(of)));
+        self
+    }
+
+    /// Positions, normals and tints of the ring.
     pub fn ring_points(&self) -> Vec<RingPoint> {
         let normals = known_normals(self);
-        self.ring.iter().map(|&v| (self.sheet.positions[v], normals[v])).collect()
+        let tint = |v: usize| self.paint.as_ref().map_or(0.0, |p| p.tint[v]);
+        self.ring.iter().map(|&v| (self.sheet.positions[v], normals[v], tint(v))).collect()
     }
 
     /// What candidates are searched for.
@@ -218,6 +231,7 @@ impl Domain {
             depth: self.depth,
             edge: self.edge,
             centre,
+            paint: self.paint.as_ref().map(|p| p.part(members.iter().map(|&v| Some(v)))),
             sheet,
         };
         part.ring = part.find_ring();

@@ -10,11 +10,15 @@
 
 use super::domain::Domain;
 use super::factor::Symmetric;
+use super::project::Place;
 use super::view::View;
 
 /// ℓ in hole radii: more gives more detail and more distance; between 0.1 and 0.14 measured on seventeen
 /// holes.
 const SPLIT: f64 = 0.11;
+
+/// Vertices of a ring that are reported, at most about.
+const SEEN: usize = 500;
 
 /// The joined surface.
 pub struct Joined {
@@ -77,4 +81,54 @@ pub fn join(domain: &Domain, views: &[View<'_>]) -> Option<Joined> {
     Symmetric::from_columns(columns).factor(1.0, &vec![0.0; n])?.solve(&mut solution);
     let [heights] = solution;
     Some(Joined { heights, labels })
+}
+
+/// Where copies lie beyond their borders: at the vertices beside those they gave, the rim's and other
+/// copies'. Vertex of the domain, copy, place; sorted.
+pub fn places_beside<'a>(
+    domain: &Domain,
+    views: &'a [View<'_>],
+    labels: &[Option<(usize, usize)>],
+) -> impl Iterator<Item = (u32, (usize, usize), Place)> + 'a {
+    let first = domain.fill.start;
+    let mut wanted = Vec::new();
+    for v in domain.fill.clone() {
+        let Some(label) = labels[v - first] else { continue };
+        let beside = domain.laplacian.row(v).map(|(w, _)| w);
+        let other = |&w: &usize| domain.is_known(w) || labels[w - first] != Some(label);
+        wanted.extend(beside.filter(other).map(|w| (w, label)));
+    }
+    wanted.sort_unstable();
+    wanted.dedup();
+    // Window vertex of each vertex of the domain.
+    let own: Vec<Vec<u32>> = views
+        .iter()
+        .map(|view| {
+            let mut own = vec![u32::MAX; domain.sheet.positions.len()];
+            view.window.parent.iter().enumerate().for_each(|(i, &v)| own[v] = i as u32);
+            own
+        })
+        .collect();
+    wanted.into_iter().filter_map(move |(v, (w, k))| {
+        let place = views[w].copies[k].places.get(own[w][v] as usize)?.as_ref()?;
+        Some((v as u32, (w, k), *place))
+    })
+}
+
+/// Where the copies that gave anything lie on the known rings around their windows. Vertex of the
+/// neighbourhood, copy, place; sorted.
+pub fn places_on_ring<'a>(
+    views: &'a [View<'_>],
+    labels: &[Option<(usize, usize)>],
+) -> impl Iterator<Item = (u32, (usize, usize), Place)> + 'a {
+    let mut used: Vec<(usize, usize)> = labels.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    used.into_iter().flat_map(move |(w, k)| {
+        let domain = &views[w].window.domain;
+        let step = domain.ring.len().div_ceil(SEEN).max(1);
+        let at =
+            move |&v: &usize| Some((domain.near_vertex(v), (w, k), views[w].copies[k].places[v]?));
+        domain.ring.iter().step_by(step).filter_map(at)
+    })
 }

@@ -7,6 +7,7 @@
 //! Differences from the paper: two rounds over the labels at most, best first; a third changes
 //! nothing to speak of.
 
+use crate::matching::paint::squared_difference;
 use std::collections::VecDeque;
 
 /// Rounds over all labels.
@@ -18,6 +19,8 @@ pub struct Energy<'a> {
     pub unary: &'a [Vec<f64>],
     /// Value of label l at vertex i; seams cost their differences.
     pub values: &'a [Vec<f64>],
+    /// The same for colours, rows of so many numbers in the unit of the values; none: empty.
+    pub rows: (&'a [Vec<f64>], usize),
     /// Pairs of neighbours.
     pub edges: &'a [(u32, u32)],
 }
@@ -28,7 +31,13 @@ impl Energy<'_> {
             return 0.0;
         }
         let at = |v: u32| (self.values[a][v as usize] - self.values[b][v as usize]).abs();
-        at(i) + at(j)
+        let (rows, channels) = self.rows;
+        if rows.is_empty() {
+            return at(i) + at(j);
+        }
+        let row = |l: usize, v: u32| &rows[l][v as usize * channels..][..channels];
+        let stain = |v: u32| squared_difference(row(a, v), row(b, v)).sqrt();
+        at(i) + at(j) + stain(i) + stain(j)
     }
 
     /// The energy of a labelling.
@@ -207,7 +216,7 @@ mod tests {
             };
             let (unary, values) = (table(0), table(31));
             let edges = [(0, 1), (1, 2), (2, 3)];
-            let energy = Energy { unary: &unary, values: &values, edges: &edges };
+            let energy = Energy { unary: &unary, values: &values, rows: (&[], 0), edges: &edges };
             let found = energy.of(&energy.minimise(0, &[0, 1, 2]));
             let all = (0..81).map(|c| energy.of(&[c % 3, c / 3 % 3, c / 9 % 3, c / 27]));
             let best = all.fold(f64::INFINITY, f64::min);

@@ -2,6 +2,7 @@
 //! the paper's own method.
 
 pub mod anchors;
+pub mod appearance;
 pub mod coherence_error;
 pub mod describe;
 pub mod domain;

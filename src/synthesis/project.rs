@@ -2,6 +2,7 @@
 //! the source's triangles.
 
 use super::domain::Domain;
+use crate::matching::paint::squared_difference;
 use crate::matching::rigid::Rigid;
 use crate::matching::source::Source;
 use glam::DVec3;
@@ -37,6 +38,10 @@ pub struct Copy {
     pub places: Vec<Option<Place>>,
     /// Mean roughness of the source over the fill, see [`Source::roughness`].
     pub roughness: f64,
+    /// Its colours by domain vertex, row after row; empty without colours.
+    pub rows: Vec<f64>,
+    /// Squared difference from the known colour, by domain vertex; empty without colours.
+    pub stain: Vec<f64>,
 }
 
 /// Projects the whole domain; `None` if the source covers too little of it.
@@ -49,6 +54,8 @@ pub fn project(domain: &Domain, source: &Source, transform: &Rigid) -> Option<Co
         normals: vec![DVec3::ZERO; n],
         places: vec![None; n],
         roughness: 0.0,
+        rows: Vec::new(),
+        stain: Vec::new(),
     };
     let mut missing = 0;
     let allowed = ((1.0 - COVER) * domain.fill.len() as f64) as usize;
@@ -75,6 +82,7 @@ pub fn project(domain: &Domain, source: &Source, transform: &Rigid) -> Option<Co
         count += 1.0;
     }
     copy.roughness = rough / f64::max(count, 1.0);
+    paint(domain, source, &mut copy);
     Some(copy)
 }
 
@@ -95,6 +103,23 @@ fn meet(domain: &Domain, source: &Source, back: &Rigid, v: usize, copy: &mut Cop
     copy.normals[v] = copy.transform.direction(source.smooth_normal(face, barycentric));
     copy.places[v] = Some(Place { face, barycentric });
     true
+}
+
+/// The colours of the copy, and how far they are from those of the ring. Where there is no place they
+/// are the mean colour, a whole spread off.
+fn paint(domain: &Domain, source: &Source, copy: &mut Copy) {
+    let (Some(known), Some(of_source)) = (&domain.paint, &source.paint) else { return };
+    for (v, place) in copy.places.iter().enumerate() {
+        let Some(place) = place else {
+            copy.rows.resize(copy.rows.len() + known.channels, 0.0);
+            copy.stain.push(1.0);
+            continue;
+        };
+        let corners = source.faces[place.face as usize];
+        of_source.push_row(corners, place.barycentric, &mut copy.rows);
+        let row = &copy.rows[v * known.channels..];
+        copy.stain.push(squared_difference(row, known.row(v)));
+    }
 }
 
 /// Heights where the source has a gap: means of the neighbours, from the known ones outward.

@@ -4,12 +4,13 @@
 //! from its fit (how well it predicts), and on the ring as seen from the vertex (what is left after
 //! the fit and how far the normals disagree, near points first):
 //!
-//!   U(i)² = Σ_p w (e² + (2 h)² (1 − n·m)) / Σ_p w,   w = mass · (|p − i|² + (0.08 R)²)^−1.5
+//!   U(i)² = Σ_p w (e² + (2 h)² (1 − n·m) + (h/2)² |Δc|²) / Σ_p w,   w = mass · (|p − i|² + (0.08 R)²)^−1.5
 
 use super::domain::Domain;
 use super::fit::Fitted;
 use super::project::Copy;
 use crate::matching::height_map::blandness;
+use crate::matching::paint::EDGES;
 use crate::mesh::normals::vertex_normals;
 use glam::DVec3;
 
@@ -37,6 +38,7 @@ pub fn score(domain: &Domain, copies: &[Copy], fitted: &Fitted, roughness: f64) 
     let normals = known_normals(domain);
     let step = domain.ring.len().div_ceil(SEEN).max(1);
     let seen: Vec<usize> = domain.ring.iter().copied().step_by(step).collect();
+    let paint = (EDGES * domain.edge).powi(2);
     let four_h2 = 4.0 * domain.edge * domain.edge;
     // Squared errors by ring point, then copy: the inner loop below runs over copies.
     let errors: Vec<f64> = seen
@@ -45,7 +47,9 @@ pub fn score(domain: &Domain, copies: &[Copy], fitted: &Fitted, roughness: f64) 
             let n = normals[v];
             copies.iter().enumerate().map(move |(k, copy)| {
                 let turned = (1.0 - n.dot(copy.normals[v])).clamp(0.0, 1.0);
-                fitted.leftover[k][v].powi(2) + four_h2 * turned
+                let shape = fitted.leftover[k][v].powi(2) + four_h2 * turned;
+                // Nothing is added, not even 0, without colours.
+                copy.stain.get(v).map_or(shape, |stain| shape + paint * stain)
             })
         })
         .collect();

@@ -142,7 +142,7 @@ fn a_domain_measures_its_hole() {
             assert!(d.is_known(v) || d.rim_distance[v] == 0.0);
         }
         let normals = known_normals(d);
-        for (v, (p, n)) in d.ring.iter().zip(d.ring_points()) {
+        for (v, (p, n, _)) in d.ring.iter().zip(d.ring_points()) {
             assert_eq!((p, n), (d.sheet.positions[*v], normals[*v]));
         }
     }

@@ -1,11 +1,13 @@
 //! What one window sees: copies projected, fitted, ranked, agreed on, and one chosen at each vertex.
 
+use super::domain::Domain;
 use super::fit::{fit, Fitted};
 use super::labels::Energy;
 use super::project::{project, Copy, Place};
 use super::rank::{score, weights};
 use super::window::Window;
 use crate::error::Result;
+use crate::matching::paint::{squared_difference, EDGES};
 use crate::matching::rigid::Rigid;
 use crate::matching::source::Source;
 
@@ -24,6 +26,9 @@ const TRUSTED: (f64, f64) = (0.5, 0.8);
 const OPTIMISM: f64 = 0.6;
 /// Ratio from which on a smooth surface is the better guess.
 const HOPELESS: f64 = 1.1;
+/// Part of the ring's variance of colour that a copy may leave for its colours to be believed where its
+/// shape is not: a smooth or flat wall that is painted.
+const SAME_COLOURS: f64 = 0.4;
 
 /// A window with all that was found for it.
 pub struct View<'a> {
@@ -77,7 +82,7 @@ pub fn look<'a>(
     if copies.is_empty() || domain.fill.is_empty() {
         return Ok(None);
     }
-    let Some(fitted) = fit(domain, &copies, threads, check)? else { return Ok(None) };
+    let Some(mut fitted) = fit(domain, &copies, threads, check)? else { return Ok(None) };
     let scores = score(domain, &copies, &fitted, roughness);
     check()?;
     let (first, n) = (domain.fill.start, domain.fill.len());
@@ -88,13 +93,19 @@ pub fn look<'a>(
         base.push(w.iter().zip(&fitted.heights).map(|(w, h)| w * h[first + i]).sum::<f64>());
         shares.iter_mut().zip(&w).for_each(|(s, w)| *s += w / n as f64);
     }
-    let (share, ratio) = fitted.trust(&shares);
+    let (mut share, ratio) = fitted.trust(&shares);
     if ratio > HOPELESS {
-        return Ok(None);
+        if !matches_colours(domain, &copies) {
+            return Ok(None);
+        }
+        // The shape stays the smooth one; where the colours come from is still to be said.
+        fitted.heights.iter_mut().for_each(|h| h.fill(0.0));
+        base.fill(0.0);
+        share = 0.0;
     }
     let doubt = ((ratio - TRUSTED.0) / (TRUSTED.1 - TRUSTED.0)).clamp(0.0, 1.0);
     let apart = APART * (1.0 - 0.4 * doubt);
-    let labels = choose_labels(window, &fitted, &scores, &base, apart);
+    let labels = choose_labels(window, &copies, &fitted, &scores, &base, apart);
     let share = share * (1.0 - OPTIMISM * ratio * ratio);
     base.iter_mut().for_each(|b| *b *= 1.0 - doubt * (1.0 - share));
     check()?;
@@ -105,8 +116,22 @@ pub fn look<'a>(
     Ok(Some(View { window, copies, fitted, base, labels, shares, doubt, confidence, own }))
 }
 
+/// Whether some copy has on the ring what is known there, far better than one colour all over would.
+fn matches_colours(domain: &Domain, copies: &[Copy]) -> bool {
+    let Some(known) = &domain.paint else { return false };
+    let n = domain.ring.len().max(1) as f64;
+    let mut mean = vec![0.0; known.channels];
+    for &v in &domain.ring {
+        mean.iter_mut().zip(known.row(v)).for_each(|(m, x)| *m += x / n);
+    }
+    let plain: f64 = domain.ring.iter().map(|&v| squared_difference(known.row(v), &mean)).sum();
+    let of = |c: &Copy| domain.ring.iter().map(|&v| c.stain[v]).sum::<f64>();
+    copies.iter().map(of).fold(f64::INFINITY, f64::min) < SAME_COLOURS * plain
+}
+
 fn choose_labels(
     window: &Window,
+    copies: &[Copy],
     fitted: &Fitted,
     scores: &super::rank::Scores,
     base: &[f64],
@@ -134,5 +159,13 @@ fn choose_labels(
         .collect();
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| scores.mean[a].total_cmp(&scores.mean[b]).then(a.cmp(&b)));
-    Energy { unary: &unary, values: &values, edges: &edges }.minimise(scores.best, &order)
+    let channels = domain.paint.as_ref().map_or(0, |p| p.channels);
+    let of_fill = |c: &Copy| -> Vec<f64> {
+        let rows = &c.rows[domain.fill.start * channels..domain.fill.end * channels];
+        rows.iter().map(|x| EDGES * domain.edge * x).collect()
+    };
+    let painted = copies.iter().filter(|c| !c.rows.is_empty());
+    let rows: Vec<Vec<f64>> = painted.map(of_fill).collect();
+    let rows = (&rows[..], channels);
+    Energy { unary: &unary, values: &values, rows, edges: &edges }.minimise(scores.best, &order)
 }

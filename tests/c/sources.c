@@ -1,5 +1,6 @@
 /* What may be copied from, and an initial completion, by coordinates. */
 #include "suite.h"
+#include <math.h>
 #include <stdlib.h>
 
 /* Whether the mesh is fine enough to hold bumps. */
@@ -80,6 +81,47 @@ static void exemplar(int mirrored, uint32_t unmirrored) {
   }
   if (unmirrored) CHECK(reflecting == 0);
   complete_mesh_result_free(result);
+}
+
+/* What the twin's vertices carry comes with their shape: where they were on the ball. */
+static void values(int mirrored) {
+  static double of_ball[2 * VERTICES], of_twin[2 * WHOLE_VERTICES];
+  complete_mesh_options opts = with_twin(mirrored);
+  complete_mesh_status status;
+  complete_mesh_result *result;
+  const double *got;
+  const float *p;
+  const uint32_t *faces;
+  size_t i;
+  int k;
+  for (i = 0; i < VERTICES; ++i)
+    for (k = 0; k < 2; ++k) of_ball[2 * i + k] = bumpy.vertices[i][2 * k];
+  for (i = 0; i < WHOLE_VERTICES; ++i)
+    for (k = 0; k < 2; ++k) of_twin[2 * i + k] = whole.vertices[i][2 * k];
+  opts.vertex_values = of_ball;
+  opts.exemplar_values = of_twin;
+  opts.value_channels = opts.steering_channels = 2;
+  result = complete_bumpy(&opts, &status);
+  if (!CHECK(status == COMPLETE_MESH_STATUS_OK)) return;
+  got = complete_mesh_result_new_vertex_values(result);
+  p = (const float *)complete_mesh_result_new_vertices(result);
+  faces = complete_mesh_result_new_vertex_source_faces(result);
+  CHECK(got != NULL);
+  for (i = 0; FINE && got && i < complete_mesh_result_new_vertex_count(result); ++i)
+    /* a hole of a few vertices stays smooth: values from its rim */
+    for (k = 0; k < 2 && faces[i] != UINT32_MAX; ++k)
+      CHECK(fabs(got[2 * i + k] - p[3 * i + 2 * k]) < 0.03);
+  complete_mesh_result_free(result);
+  opts.vertex_values = opts.exemplar_values = NULL;
+  opts.value_channels = opts.steering_channels = 0;
+  result = complete_bumpy(&opts, &status);
+  CHECK(complete_mesh_result_new_vertex_values(result) == NULL);
+  complete_mesh_result_free(result);
+  opts.vertex_values = of_ball;
+  opts.value_channels = 2;
+  opts.steering_channels = 3;
+  complete_bumpy(&opts, &status);
+  CHECK(status == COMPLETE_MESH_STATUS_INVALID_OPTION);
 }
 
 static int is_low(const uint32_t *face) {
@@ -224,6 +266,8 @@ void test_sources(void) {
   exemplar(0, 1);
   exemplar(1, 0);
   exemplar(1, 1);
+  values(0);
+  values(1);
   source_faces();
   initial();
   errors();

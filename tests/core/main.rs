@@ -1,5 +1,6 @@
 //! The core chain against its contract: holes found, filled, nothing of the input touched.
 
+mod appearance;
 mod checker;
 mod coherent;
 mod contract;
@@ -11,3 +12,4 @@ mod provenance;
 mod random;
 mod sources;
 mod surfaces;
+mod texture;

@@ -1,9 +1,10 @@
 //! Point clouds: holes found where they are and nowhere else, filled on the surface that is missing.
 
+use complete_mesh::io::{Document, Extras, Format};
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample};
 use complete_mesh::{
-    complete_points, find_point_holes, Error, Grouping, HoleStatus, Method, Monitor, Options,
-    PointCompletion, PointHoles, Selection, Sources,
+    complete_points, find_point_holes, Appearance, Error, Grouping, HoleStatus, Method, Monitor,
+    Options, PointCompletion, PointHoles, Selection, Sources,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -195,6 +196,46 @@ fn ornament_is_continued_and_its_sources_are_named() {
         assert!((0.0..=1.0).contains(&made.completion.origins[i].confidence));
     }
     assert!(near * 10 > 9 * named.len(), "{near} of {}", named.len());
+}
+
+/// Colours that follow the flutes are copied with them, into the library's values and into files; from
+/// the rim they would come out as one.
+#[test]
+fn colours_are_copied_with_the_shape() {
+    let whole = Sample::Column.build(160).unwrap();
+    let options = BreakOptions { kind: Break::Disc, seed: 1, size: 0.8 };
+    let points = break_mesh(Sample::Column, &whole, &options).unwrap().mesh.vertices;
+    // 20 flutes.
+    let stripes = |p: [f64; 3]| 128.0 + 100.0 * (20.0 * p[2].atan2(p[0])).cos();
+    let known = points.iter().map(|p| stripes(p.map(f64::from))).collect::<Vec<_>>();
+    let appearance =
+        Appearance { channels: 1, steering: 1, values: known.clone(), ..Appearance::default() };
+    let off = |made: &PointCompletion, values: &[f64]| {
+        assert_eq!(values.len(), made.completion.vertices.len());
+        let each = made.completion.vertices.iter().zip(values);
+        each.map(|(p, x)| (x - stripes(*p)).abs()).sum::<f64>() / values.len() as f64
+    };
+    let of = |method| {
+        let appearance = Some(Arc::new(appearance.clone()));
+        let options = Options { method, threads: 1, appearance, ..Options::default() };
+        complete_points(&points[..], None, &options).unwrap()
+    };
+    let (made, plain) = (of(Method::Coherent), of(Method::Smooth));
+    let (copied, blurred) = (off(&made, &made.values), off(&plain, &plain.values));
+    println!("off by {copied:.1}, from the rim {blurred:.1}");
+    assert!(copied < 0.4 * blurred, "{copied}, from the rim {blurred}");
+    let rows = points.iter().zip(&known).map(|(p, x)| format!("{} {} {} {x}\n", p[0], p[1], p[2]));
+    let mut file = Document::parse(rows.collect::<String>().into_bytes(), Format::Xyz).unwrap();
+    file.append_points(&made, &Extras::default()).unwrap();
+    let text = String::from_utf8(file.to_bytes()).unwrap();
+    let last = |line: &str| line.rsplit(' ').next().unwrap().parse::<f64>().unwrap();
+    let written: Vec<f64> = text.lines().skip(points.len()).map(last).collect();
+    let in_file = off(&made, &written);
+    assert!((in_file - copied).abs() < 0.1 * blurred, "{in_file} in the file, {copied}");
+    let short = Appearance { values: vec![0.0; 7], ..appearance.clone() };
+    let options = Options { appearance: Some(Arc::new(short)), ..Options::default() };
+    let refused = complete_points(&points[..], None, &options);
+    assert!(matches!(refused, Err(Error::InvalidOption { name: "appearance", .. })), "{refused:?}");
 }
 
 /// A wavy relief seen from one side: its own border stays open, its hole is filled.

@@ -30,6 +30,8 @@ void check_defaults() {
   CHECK(got.unmirrored == c.unmirrored && got.initial_vertices == c.initial_vertices);
   CHECK(got.initial_vertex_count == c.initial_vertex_count && got.initial_faces == c.initial_faces);
   CHECK(got.initial_face_count == c.initial_face_count);
+  CHECK(got.vertex_values == c.vertex_values && got.exemplar_values == c.exemplar_values);
+  CHECK(got.value_channels == c.value_channels && got.steering_channels == c.steering_channels);
 }
 
 void check_all_fields() {
@@ -54,7 +56,12 @@ void check_all_fields() {
   options.exemplar_only = true;
   options.unmirrored = true;
   options.initial = {{{0.1, 0, 0}}, {{3, 4, 5}}};
+  options.vertex_values = {0.5, 1.5, 2.5, 3.5};
+  options.exemplar_values = {9, 8, 7, 6, 5, 4};
+  options.value_channels = 2;
+  options.steering_channels = 1;
   mc::MeshView<double> mesh;
+  mesh.vertex_count = 2;
   mesh.face_count = 3;
   mesh.vertex_stride = 40;
   mesh.face_stride = 16;
@@ -83,6 +90,12 @@ void check_all_fields() {
   CHECK(c.initial_vertex_count == 1 && c.initial_face_count == 1);
   CHECK(std::memcmp(c.initial_vertices, added, sizeof added) == 0);
   CHECK(std::memcmp(c.initial_faces, more, sizeof more) == 0);
+  CHECK(c.vertex_values[3] == 3.5 && c.exemplar_values[0] == 9 && c.exemplar_values[5] == 4);
+  CHECK(c.value_channels == 2 && c.steering_channels == 1 && !call.refused());
+  // A list that does not fit would be read beyond its end.
+  mesh.vertex_count = 3;
+  mc::detail::Call wrong(options, mesh);
+  CHECK(wrong.refused() && wrong.refused()->status == mc::Status::invalid_argument);
   // rounded as a mesh of floats is
   mc::MeshView<float> floats;
   floats.face_count = 3;

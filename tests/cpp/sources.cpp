@@ -1,5 +1,6 @@
 // What may be copied from, and an initial completion, by coordinates.
 #include <algorithm>
+#include <cmath>
 #include <complete_mesh_attributes.hpp>
 
 #include "suite.hpp"
@@ -11,6 +12,8 @@ template <class Scalar>
 struct Bumpy {
   Ball<Scalar> ball;
   mc::Surface twin;
+  // Of both: where a vertex is on the ball, x then z.
+  std::vector<double> values, twin_values;
 
   explicit Bumpy(bool mirrored) {
     static struct ball c;
@@ -19,8 +22,10 @@ struct Bumpy {
     add_bumps(c.vertices, VERTICES);
     for (const auto& p : c.vertices) ball.vertices.push_back({p[0], p[1], p[2]});
     ball.faces = make_ball_of<Scalar>().faces;
+    for (const auto& p : ball.vertices) values.insert(values.end(), {p[0], p[2]});
     make_whole_ball(&whole);
     add_bumps(whole.vertices, WHOLE_VERTICES);
+    for (const auto& p : whole.vertices) twin_values.insert(twin_values.end(), {p[0], p[2]});
     move_away(&whole, mirrored);
     twin = mc::surface(whole.vertices, whole.faces);
   }
@@ -59,6 +64,26 @@ void check_exemplar(bool mirrored, bool unmirrored) {
     for (const mc::Source& source : result.holes().sources(hole)) reflecting += source.mirrored;
   CHECK(outside == 0);
   CHECK(!unmirrored || reflecting == 0);
+  CHECK(result.new_vertex_values().empty());
+  if (!(mirrored && unmirrored)) {
+    options.vertex_values = bumpy.values;
+    options.exemplar_values = bumpy.twin_values;
+    options.value_channels = 2;
+    options.steering_channels = 2;
+    const auto painted = mc::complete(mc::view(bumpy.ball.vertices, bumpy.ball.faces), options);
+    const auto points = painted.new_vertices();
+    const auto got = painted.new_vertex_values();
+    CHECK(!got.empty() && got.size() == 2 * points.size());
+    double off = 0;
+    std::size_t copied = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      // a hole of a few vertices stays smooth: values from its rim
+      if (painted.new_vertex_source_faces()[i] == mc::none) continue;
+      ++copied;
+      off = std::max({off, std::abs(got[2 * i] - points[i][0]), std::abs(got[2 * i + 1] - points[i][2])});
+    }
+    CHECK(off < 0.03 && copied > points.size() / 2);
+  }
   // the exemplar has no colours: the rim's are taken
   const mc::Carrier carrier(result);
   const auto height = [&](std::uint32_t v) { return std::array<double, 1>{bumpy.ball.vertices[v][2]}; };

@@ -14,6 +14,8 @@ fn middle() -> PointCompletion {
         completion,
         normals: vec![[0.0, 0.0, -1.0]],
         source_points: vec![4],
+        values: Vec::new(),
+        copied: Default::default(),
         found: Default::default(),
     }
 }

@@ -56,6 +56,34 @@ void colours_from_source() {
   CHECK(copied > 0 && wrong == 0);
 }
 
+// The values of the library's own call, colours steering; a mesh with deleted vertices gets the same.
+template <class Mesh>
+void colours_with_shape() {
+  Mesh mesh;
+  make_ball_mesh(mesh);
+  const std::size_t size = colour_size<Mesh>;
+  mc::Options options;
+  for (const auto v : mesh.vertices())
+    for (std::size_t c = 0; c < size; ++c) options.vertex_values.push_back(static_cast<double>(mesh.color(v)[c]));
+  options.value_channels = static_cast<std::uint32_t>(size);
+  options.steering_channels = 3;
+  Mesh other = mesh;
+  const auto expected = om::complete(other, options).result;
+  om::Extras extras;
+  extras.colours = om::Colours::with_shape;
+  const auto fill = om::complete(mesh, {}, extras);
+  const auto values = expected.new_vertex_values();
+  std::size_t wrong = 0;
+  CHECK(values.size() == size * fill.vertices.size() && !values.empty());
+  for (std::size_t i = 0; i < fill.vertices.size(); ++i)
+    for (std::size_t c = 0; c < size; ++c)
+      wrong += !(std::fabs(values[size * i + c] - static_cast<double>(mesh.color(fill.vertices[i])[c])) <
+                 (colours_are_bytes<Mesh> ? 0.51 : 1e-3));
+  CHECK(wrong == 0);
+  options.vertex_values.pop_back();
+  CHECK(om::try_complete(other, options).status() == mc::Status::invalid_argument);
+}
+
 template <class Mesh>
 void normals(const Mesh& mesh, const om::Fill<Mesh>& fill) {
   std::size_t wrong = 0;
@@ -175,6 +203,7 @@ void test_attributes() {
   origins(mesh, fill);
   selection(mesh, fill);
   colours_from_source<Mesh>();
+  colours_with_shape<Mesh>();
   bare<Mesh>();
   origins_twice<Mesh>();
 }

@@ -131,6 +131,7 @@ C_TYPES = {
     "double": ctypes.c_double,
     "const uint32_t *": ctypes.c_void_p,
     "const uint8_t *": ctypes.c_void_p,
+    "const double *": ctypes.c_void_p,
     "const void *": ctypes.c_void_p,
     "void *": ctypes.c_void_p,
     "complete_mesh_progress_fn": _abi.PROGRESS,

@@ -59,6 +59,13 @@ def test_normals_say_which_side_is_out(cloud):
         complete_points(cloud, cloud[1:])
 
 
+def test_values(cloud):
+    result = complete_points(cloud, method="smooth", vertex_values=cloud)
+    assert result.new_point_values.shape == result.new_points.shape
+    assert np.abs(result.new_point_values - result.new_points).max() < 0.1
+    assert complete_points(cloud, method="smooth").new_point_values.shape[1] == 0
+
+
 def test_errors(cloud):
     with pytest.raises(CompleteMeshError, match="on one line") as raised:
         complete_points(np.arange(30.0).reshape(-1, 1) * [[1, 2, 3]])

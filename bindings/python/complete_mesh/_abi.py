@@ -69,6 +69,10 @@ class Options(c.Structure):
         ("initial_vertex_count", c_size_t),
         ("initial_faces", c_void_p),
         ("initial_face_count", c_size_t),
+        ("vertex_values", c_void_p),
+        ("exemplar_values", c_void_p),
+        ("value_channels", c_uint32),
+        ("steering_channels", c_uint32),
     ]
 
 
@@ -152,6 +156,7 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "result_new_vertex_confidences": (c_void_p, [c_void_p]),
     "result_new_vertex_source_points": (c_void_p, [c_void_p]),
     "result_new_vertex_normals": (c_void_p, [c_void_p]),
+    "result_new_vertex_values": (c_void_p, [c_void_p]),
     "result_new_face_holes": (c_void_p, [c_void_p]),
     "result_holes": (c_void_p, [c_void_p]),
     "result_seconds": (c_double, [c_void_p]),

@@ -39,6 +39,9 @@ def complete_mesh(
     unmirrored: bool = False,
     initial_vertices: Optional[ArrayLike] = None,
     initial_faces: Optional[ArrayLike] = None,
+    vertex_values: Optional[ArrayLike] = None,
+    exemplar_values: Optional[ArrayLike] = None,
+    steering_channels: int = 0,
     threads: int = 0,
     output: str = "whole_mesh",
     progress: Optional[Progress] = None,
@@ -79,6 +82,11 @@ def complete_mesh(
         initial_vertices: new vertices of a completion to start from instead of a smooth one, (k, 3).
             A hole that it does not fill fails.
         initial_faces: its new faces, (l, 3), numbered as those of a result: new vertices from n on.
+        vertex_values: what the vertices carry, colours or any numbers, (n, c) or (n,): completed with
+            the shape, see `Result.new_vertex_values`.
+        exemplar_values: the same of the exemplar's vertices, (p, c) or (p,).
+        steering_channels: how many numbers of a row, from the first on, help to find what is copied:
+            3 for red, green and blue.
         threads: worker threads, 0 for as many as there are cores. The result does not depend on it.
         output: "whole_mesh", or "new_only" for a result without `vertices` and `faces`.
         progress: called as ``progress(fraction, stage)`` with 0 to 1 and a word or two, on the
@@ -114,12 +122,15 @@ def complete_mesh(
         unmirrored=unmirrored,
         initial_vertices=initial_vertices,
         initial_faces=initial_faces,
+        vertex_values=vertex_values,
+        exemplar_values=exemplar_values,
+        steering_channels=steering_channels,
         threads=threads,
         progress=progress,
     )
     handle = call.run(lib.complete, lib.result_free, *mesh.arguments())
     try:
-        return Result(lib, handle, mesh.vertices, mesh.faces, whole_mesh)
+        return Result(lib, handle, mesh, call.options.value_channels, whole_mesh)
     finally:
         lib.result_free(handle)
 
@@ -214,6 +225,9 @@ class Completer:
         unmirrored: bool = False,
         initial_vertices: Optional[ArrayLike] = None,
         initial_faces: Optional[ArrayLike] = None,
+        vertex_values: Optional[ArrayLike] = None,
+        exemplar_values: Optional[ArrayLike] = None,
+        steering_channels: int = 0,
         threads: int = 0,
         output: str = "whole_mesh",
         progress: Optional[Progress] = None,
@@ -240,6 +254,9 @@ class Completer:
             unmirrored=unmirrored,
             initial_vertices=initial_vertices,
             initial_faces=initial_faces,
+            vertex_values=vertex_values,
+            exemplar_values=exemplar_values,
+            steering_channels=steering_channels,
             threads=threads,
             progress=progress,
         )
@@ -247,7 +264,9 @@ class Completer:
             self._lib.completer_complete, self._lib.result_free, self._handle
         )
         try:
-            return Result(self._lib, handle, self._mesh.vertices, self._mesh.faces, whole_mesh)
+            return Result(
+                self._lib, handle, self._mesh, call.options.value_channels, whole_mesh
+            )
         finally:
             self._lib.result_free(handle)
 

@@ -9,7 +9,7 @@ import threading
 from typing import Any, Callable, Optional, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _abi
 from ._arrays import Mesh
@@ -52,6 +52,9 @@ class Call:
         unmirrored: bool = False,
         initial_vertices: Optional[ArrayLike] = None,
         initial_faces: Optional[ArrayLike] = None,
+        vertex_values: Optional[ArrayLike] = None,
+        exemplar_values: Optional[ArrayLike] = None,
+        steering_channels: int = 0,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -78,6 +81,7 @@ class Call:
         options.exemplar_only = bool(exemplar_only)
         options.unmirrored = bool(unmirrored)
         self._set_surface("initial", initial_vertices, initial_faces, mesh)
+        self._set_values(vertex_values, exemplar_values, steering_channels, len(mesh.vertices))
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
@@ -155,6 +159,30 @@ class Call:
         for field, value in zip(fields, packed.arguments()):
             setattr(self.options, f"{name}_{field}", value)
 
+    def _set_values(
+        self,
+        of_mesh: Optional[ArrayLike],
+        of_exemplar: Optional[ArrayLike],
+        steering_channels: int,
+        vertex_count: int,
+    ) -> None:
+        """The values of the vertices, a row each; a bare number is a row of one."""
+        self.options.steering_channels = _unsigned("steering_channels", steering_channels)
+        if of_mesh is None:
+            if of_exemplar is not None or steering_channels:
+                raise ValueError("exemplar_values and steering_channels need vertex_values")
+            return
+        rows = _rows("vertex_values", of_mesh, vertex_count)
+        self._kept.append(rows)
+        self.options.vertex_values = rows.ctypes.data
+        self.options.value_channels = rows.shape[1]
+        if of_exemplar is not None:
+            rows = _rows("exemplar_values", of_exemplar, self.options.exemplar_vertex_count)
+            if rows.shape[1] != self.options.value_channels:
+                raise ValueError("exemplar_values and vertex_values have rows of different lengths")
+            self._kept.append(rows)
+            self.options.exemplar_values = rows.ctypes.data
+
     def _indices(self, name: str, numbers: Any) -> Optional[int]:
         """The address of a copy as 32-bit numbers, which self keeps; None if there are none."""
         array = np.asarray(numbers).reshape(-1)
@@ -205,6 +233,17 @@ class _Interrupts:
 
     def _note(self, *_: object) -> None:
         self.came = True
+
+
+def _rows(name: str, given: ArrayLike, count: int) -> NDArray[np.float64]:
+    rows = np.array(given, np.float64, order="C")
+    if rows.ndim == 1:
+        rows = rows[:, None]
+    if rows.ndim != 2 or len(rows) != count or rows.shape[1] == 0:
+        raise ValueError(
+            f"{name} have the shape {np.shape(given)}, but must have a row for each vertex: ({count}, c)"
+        )
+    return rows
 
 
 def _number(name: str, value: str, names: tuple[str, ...]) -> int:

@@ -36,6 +36,9 @@ class PointResult:
     """(k,): the source, an index into ``holes[hole].sources`` of the point's own hole."""
     new_point_confidences: NDArray[np.float64]
     """(k,): 0 (nothing on the object backs it) to 1. From 0.8 convincing, below 0.5 invention."""
+    new_point_values: NDArray[np.float64]
+    """(k, c): what ``vertex_values`` are at the new points, copied from where the shape was copied from,
+    else carried in from the rim; c is 0 without."""
     holes: Holes
     """All holes and borders of the input, filled or not: the report."""
     seconds: float
@@ -43,7 +46,7 @@ class PointResult:
     cpu_seconds: float
     """CPU seconds that the process spent, in all its threads, meanwhile."""
 
-    def __init__(self, lib: Library, handle: Any, points: NDArray[Any]) -> None:
+    def __init__(self, lib: Library, handle: Any, points: NDArray[Any], value_channels: int) -> None:
         k = lib.result_new_vertex_count(handle)
 
         def array(name: str, count: int, dtype: Any) -> NDArray[Any]:
@@ -59,6 +62,8 @@ class PointResult:
         self.new_point_source_points = ids("vertex_source_points")
         self.new_point_sources = ids("vertex_sources")
         self.new_point_confidences = array("vertex_confidences", k, float)
+        values = array("vertex_values", k * value_channels, float)
+        self.new_point_values = values.reshape(k, value_channels)
         self.holes = Holes(lib, lib.result_holes(handle))
         self.seconds = lib.result_seconds(handle)
         self.cpu_seconds = lib.result_cpu_seconds(handle)
@@ -96,6 +101,9 @@ def complete_points(
     exemplar_faces: Optional[ArrayLike] = None,
     exemplar_only: bool = False,
     unmirrored: bool = False,
+    vertex_values: Optional[ArrayLike] = None,
+    exemplar_values: Optional[ArrayLike] = None,
+    steering_channels: int = 0,
     threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> PointResult:
@@ -106,6 +114,8 @@ def complete_points(
     Args:
         points: (n, 3) positions, float32 or float64. Three NaN are a point without coordinates.
         normals: (n, 3), any length, zero where unknown: which side is out; None: guessed.
+        vertex_values: what the points carry, colours or any numbers, (n, c) or (n,): completed with the
+            shape, see `PointResult.new_point_values`.
 
     The other arguments, and the errors, are those of `complete_mesh`, vertices being points.
     """
@@ -136,12 +146,15 @@ def complete_points(
         exemplar_faces=exemplar_faces,
         exemplar_only=exemplar_only,
         unmirrored=unmirrored,
+        vertex_values=vertex_values,
+        exemplar_values=exemplar_values,
+        steering_channels=steering_channels,
         threads=threads,
         progress=progress,
     )
     address = given.ctypes.data if given is not None and len(given) else None
     handle = call.run(lib.points, lib.result_free, *cloud.arguments()[:2], address)
     try:
-        return PointResult(lib, handle, cloud.vertices)
+        return PointResult(lib, handle, cloud.vertices, call.options.value_channels)
     finally:
         lib.result_free(handle)

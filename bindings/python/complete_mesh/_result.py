@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _abi
+from ._arrays import Mesh
 from ._library import Library, copied
 
 Ids = NDArray[np.int64]
@@ -155,6 +156,9 @@ class Result:
     """(k,): the source, an index into ``holes[hole].sources`` of the vertex's own hole."""
     new_vertex_confidences: NDArray[np.float64]
     """(k,): 0 (nothing on the object backs it) to 1. From 0.8 convincing, below 0.5 invention."""
+    new_vertex_values: NDArray[np.float64]
+    """(k, c): what `vertex_values` are at the new vertices, copied from where the shape was copied from
+    as far as the surroundings bear it out, else carried in from the rim; (k, 0) without them."""
     new_face_holes: Ids
     """(j,): the id of the hole that each new face fills."""
     holes: Holes
@@ -168,10 +172,11 @@ class Result:
         self,
         lib: Library,
         handle: c.c_void_p,
-        vertices: NDArray[Any],
-        faces: NDArray[Any],
+        mesh: Mesh,
+        value_channels: int,
         whole_mesh: bool,
     ) -> None:
+        vertices, faces = mesh.vertices, mesh.faces
         k, j = lib.result_new_vertex_count(handle), lib.result_new_face_count(handle)
 
         def array(name: str, count: int, dtype: Any) -> NDArray[Any]:
@@ -191,6 +196,8 @@ class Result:
         self.new_vertex_barycentrics = array("new_vertex_barycentrics", k * 3, float).reshape(-1, 3)
         self.new_vertex_sources = ids("new_vertex_sources", k)
         self.new_vertex_confidences = array("new_vertex_confidences", k, float)
+        values = array("new_vertex_values", k * value_channels, float)
+        self.new_vertex_values = values.reshape(k, value_channels)
         self.new_face_holes = ids("new_face_holes", j)
         self.holes = Holes(lib, lib.result_holes(handle))
         self.seconds = lib.result_seconds(handle)

@@ -4,12 +4,11 @@ use super::cursor::{each_row, list_count, skip_value, Ascii, Binary, Cursor};
 use super::header::{Encoding, Kind, Property, Scalar};
 use super::write::Rows;
 use super::{corner_list, position_columns, with_cursor, Layout};
-use crate::io::attributes::{Blend, Patch};
+use crate::io::attributes::{Blend, Column as Carried, Patch};
 use crate::io::edit::Edit;
 use crate::io::error::{Fault, IoError, Place};
 use crate::io::text::Lines;
 use crate::io::{Extras, Format, Mesh};
-use crate::points::PointCompletion;
 use crate::result::{Completion, Origin, NONE};
 
 /// What the edits are made from.
@@ -123,10 +122,10 @@ pub(in crate::io) fn append(
     layout: &Layout,
     bytes: &[u8],
     mesh: &Mesh,
-    completion: &Completion,
+    patch: Patch<'_>,
     extras: &Extras,
 ) -> Result<Vec<Edit>, IoError> {
-    let patch = Patch::new(completion);
+    let completion = patch.completion();
     let mut job =
         Job { layout, bytes, mesh, completion, source_points: None, patch, edits: Vec::new() };
     job.append_vertices(extras)?;
@@ -145,11 +144,11 @@ pub(in crate::io) fn append_points(
     layout: &Layout,
     bytes: &[u8],
     mesh: &Mesh,
-    made: &PointCompletion,
+    source_points: &[u32],
+    patch: Patch<'_>,
     extras: &Extras,
 ) -> Result<Vec<Edit>, IoError> {
-    let (completion, source_points) = (&made.completion, Some(&made.source_points[..]));
-    let patch = Patch::new(completion);
+    let (completion, source_points) = (patch.completion(), Some(source_points));
     let mut job = Job { layout, bytes, mesh, completion, source_points, patch, edits: Vec::new() };
     job.append_vertices(extras)?;
     Ok(job.edits)
@@ -277,27 +276,28 @@ impl Job<'_> {
     }
 
     /// The columns `carried` of the new vertices, row by row.
-    fn carry(&self, element: usize, carried: &[(usize, Blend)]) -> Result<Vec<f64>, IoError> {
+    fn carry(&self, element: usize, carried: &[(usize, Carried)]) -> Result<Vec<f64>, IoError> {
         if carried.is_empty() {
             return Ok(Vec::new());
         }
-        let all = self.rim_rows(element)?;
+        let all = self.known_rows(element)?;
         let width = self.layout.header.elements[element].properties.len();
-        let rim: Vec<f64> =
+        let known: Vec<f64> =
             all.chunks_exact(width).flat_map(|row| carried.iter().map(|&(c, _)| row[c])).collect();
-        let blends: Vec<Blend> = carried.iter().map(|c| c.1).collect();
-        Ok(self.patch.carry(&rim, &blends))
+        let columns: Vec<Carried> = carried.iter().map(|c| c.1).collect();
+        Ok(self.patch.complete(&known, &columns))
     }
 
-    fn rim_rows(&self, element: usize) -> Result<Vec<f64>, IoError> {
-        self.layout.fetch_rows(self.bytes, element, self.patch.rim()).map_err(fault)
+    fn known_rows(&self, element: usize) -> Result<Vec<f64>, IoError> {
+        self.layout.fetch_rows(self.bytes, element, self.patch.known()).map_err(fault)
     }
 
     fn normals(&self, element: usize, properties: &[Property]) -> Result<Vec<[f64; 3]>, IoError> {
         let Some(columns) = normal_columns(properties) else { return Ok(Vec::new()) };
-        let rows = self.rim_rows(element)?;
+        let rows = self.known_rows(element)?;
         let width = self.layout.header.elements[element].properties.len();
-        let rim: Vec<_> = rows.chunks_exact(width).map(|row| columns.map(|c| row[c])).collect();
+        let rim: Vec<_> =
+            self.patch.rim_of(&rows, width).map(|row| columns.map(|c| row[c])).collect();
         Ok(self.patch.normals(self.mesh.positions.view(self.bytes), &rim))
     }
 
@@ -450,7 +450,7 @@ struct ListEnd {
 }
 
 /// Where each property of a new vertex comes from, and the columns to carry inward.
-fn plan(properties: &[Property]) -> (Vec<Source>, Vec<(usize, Blend)>) {
+fn plan(properties: &[Property]) -> (Vec<Source>, Vec<(usize, Carried)>) {
     let normals = normal_columns(properties);
     let others = properties.iter().any(|p| p.name == "source_face" || p.name == "source_point");
     let mut carried = Vec::new();
@@ -469,7 +469,8 @@ fn plan(properties: &[Property]) -> (Vec<Source>, Vec<(usize, Blend)>) {
             name => match Origins::of(name, others) {
                 Some(what) => Source::Origin(what),
                 None => {
-                    carried.push((i, Blend::of(name, s.is_integer())));
+                    let blend = Blend::of(name, s.is_integer());
+                    carried.push((i, Carried { blend, colour: colour_of(name, s) }));
                     Source::Carried(carried.len() - 1)
                 }
             },
@@ -477,6 +478,13 @@ fn plan(properties: &[Property]) -> (Vec<Source>, Vec<(usize, Blend)>) {
     };
     let sources = properties.iter().enumerate().map(&mut source).collect();
     (sources, carried)
+}
+
+/// Which channel of a colour a property is, and what stands for 255.
+fn colour_of(name: &str, scalar: Scalar) -> Option<(usize, f64)> {
+    let name = name.strip_prefix("diffuse_").unwrap_or(name);
+    let channel = ["red", "green", "blue", "alpha"].iter().position(|c| *c == name)?;
+    Some((channel, if scalar.is_integer() { scalar.range().1 } else { 1.0 }))
 }
 
 /// The columns nx, ny and nz, if all three are there as floats.

@@ -1,0 +1,147 @@
+//! The colours (or other values) that help to find sources, in one unit.
+//!
+//! Rows have mean 0 and together the variance 1, so that a weight means the same on any object. Where
+//! one number must do (height maps, ICP) it is the tint: the first principal component, smoothed.
+//!
+//! An error of 1 in colour counts as much as [`EDGES`] edges in shape. Measured, of 255: a painted vase's
+//! colours are off by 43 without steering, 7.4 at 0.15, 5.1 at 0.5 and 4.9 at 1 and 2. On a painted head
+//! whose stripes do not follow its shape, up to 0.15 leave the shape as good as without colours; 0.2 to 0.5
+//! turn its normals by up to a degree more, and 1 to 4 find nothing that fits. At 0.5 colours also hide the
+//! twin of a broken vessel, which 0.15 finds.
+
+use crate::options::Appearance;
+use glam::DVec3;
+use nalgebra::DMatrix;
+
+/// What a difference of 1 is worth, in edges.
+pub const EDGES: f64 = 0.15;
+/// Rounds of smoothing of the tint: a step becomes a slope that the ICP can follow.
+const ROUNDS: usize = 6;
+/// Farther apart than this no two tints are for an error's sake.
+pub const FARTHEST: f64 = 2.0;
+
+/// Rows of the steering channels, one for each vertex.
+#[derive(Debug, Clone)]
+pub struct Paint {
+    /// Numbers in a row.
+    pub channels: usize,
+    /// Row after row.
+    pub rows: Vec<f64>,
+    /// One number a vertex.
+    pub tint: Vec<f64>,
+    /// The tint's gradient along the surface, per mesh unit; empty if not asked for.
+    pub slopes: Vec<DVec3>,
+}
+
+impl Paint {
+    /// Of the vertices of a mesh, then of its exemplar. `None` if nothing steers or all is one colour.
+    pub fn new(appearance: &Appearance) -> Option<Self> {
+        let Appearance { channels, steering, values, exemplar_values } = appearance;
+        let pick = |row: &[f64]| row[..*steering].to_vec();
+        let of_mesh: Vec<f64> = values.chunks_exact(*channels).flat_map(pick).collect();
+        if *steering == 0 || of_mesh.is_empty() {
+            return None;
+        }
+        let n = (of_mesh.len() / steering) as f64;
+        let mut mean = vec![0.0; *steering];
+        for row in of_mesh.chunks_exact(*steering) {
+            mean.iter_mut().zip(row).for_each(|(m, x)| *m += x / n);
+        }
+        let mut covariance = DMatrix::<f64>::zeros(*steering, *steering);
+        for row in of_mesh.chunks_exact(*steering) {
+            for a in 0..*steering {
+                for b in 0..*steering {
+                    covariance[(a, b)] += (row[a] - mean[a]) * (row[b] - mean[b]) / n;
+                }
+            }
+        }
+        let spread = covariance.trace().sqrt();
+        // Less than this is rounding: one colour.
+        let greatest = of_mesh.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        if !(spread.is_finite() && spread > 1e-9 * greatest) {
+            return None;
+        }
+        let axes = covariance.symmetric_eigen();
+        let axis = axes.eigenvectors.column(axes.eigenvalues.imax());
+        let all = of_mesh.into_iter().chain(exemplar_values.chunks_exact(*channels).flat_map(pick));
+        let rows: Vec<f64> =
+            all.enumerate().map(|(i, x)| (x - mean[i % steering]) / spread).collect();
+        let along = |row: &[f64]| row.iter().zip(axis.iter()).map(|(x, a)| x * a).sum();
+        let tint = rows.chunks_exact(*steering).map(along).collect();
+        Some(Self { channels: *steering, rows, tint, slopes: Vec::new() })
+    }
+
+    /// For the first `positions.len()` vertices (those that are missing get the mean colour), smoothed
+    /// along these faces.
+    pub fn on(&self, positions: &[DVec3], faces: &[[u32; 3]]) -> Self {
+        let n = positions.len();
+        let mut paint = self.clone();
+        paint.rows.resize(n * self.channels, 0.0);
+        paint.tint.resize(n, 0.0);
+        for _ in 0..ROUNDS {
+            let (mut sums, mut counts) = (paint.tint.clone(), vec![1.0; n]);
+            for face in faces {
+                for k in 0..3 {
+                    let [a, b] = [face[k] as usize, face[(k + 1) % 3] as usize];
+                    sums[a] += paint.tint[b];
+                    sums[b] += paint.tint[a];
+                    counts[a] += 1.0;
+                    counts[b] += 1.0;
+                }
+            }
+            paint.tint = sums.iter().zip(&counts).map(|(s, c)| s / c).collect();
+        }
+        let (mut slopes, mut areas) = (vec![DVec3::ZERO; n], vec![0.0; n]);
+        for face in faces {
+            let [a, b, c] = face.map(|v| positions[v as usize]);
+            let t = face.map(|v| paint.tint[v as usize]);
+            let normal = (b - a).cross(c - a);
+            let turn = t[0] * (c - b) + t[1] * (a - c) + t[2] * (b - a);
+            let slope = normal.normalize_or_zero().cross(turn);
+            for &v in face {
+                slopes[v as usize] += slope;
+                areas[v as usize] += normal.length();
+            }
+        }
+        paint.slopes =
+            slopes.iter().zip(&areas).map(|(s, a)| *s / a.max(f64::MIN_POSITIVE)).collect();
+        paint
+    }
+
+    /// The row of a vertex.
+    pub fn row(&self, v: usize) -> &[f64] {
+        &self.rows[v * self.channels..][..self.channels]
+    }
+
+    /// Of some vertices, those that have none with the mean colour; without slopes.
+    pub fn part(&self, vertices: impl Iterator<Item = Option<usize>>) -> Self {
+        let (mut rows, mut tint) = (Vec::new(), Vec::new());
+        for v in vertices {
+            match v {
+                Some(v) => rows.extend_from_slice(self.row(v)),
+                None => rows.resize(rows.len() + self.channels, 0.0),
+            }
+            tint.push(v.map_or(0.0, |v| self.tint[v]));
+        }
+        Self { channels: self.channels, rows, tint, slopes: Vec::new() }
+    }
+
+    /// Tint and slope at a point of a face.
+    pub fn tint_at(&self, corners: [u32; 3], barycentric: [f64; 3]) -> (f64, DVec3) {
+        (0..3).fold((0.0, DVec3::ZERO), |(t, s), k| {
+            let (v, w) = (corners[k] as usize, barycentric[k]);
+            (t + w * self.tint[v], s + w * self.slopes[v])
+        })
+    }
+
+    /// Interpolates a row on a face, onto the end of `rows`.
+    pub fn push_row(&self, corners: [u32; 3], barycentric: [f64; 3], rows: &mut Vec<f64>) {
+        let at = |c: usize| (0..3).map(|k| barycentric[k] * self.row(corners[k] as usize)[c]).sum();
+        rows.extend((0..self.channels).map(|c| -> f64 { at(c) }));
+    }
+}
+
+/// Squared difference of two rows.
+pub fn squared_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
+}

@@ -1,0 +1,320 @@
+//! What the vertices carry goes with the shape, and helps to find it.
+
+use crate::checker::{check, filled_rims};
+use crate::meshes::Mesh;
+use complete_mesh::io::{Document, Extras, Format};
+use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample};
+use complete_mesh::{
+    complete_mesh, find_holes, Appearance, Completion, Error, Exemplar, Grouping, Monitor, Options,
+    Sources,
+};
+use glam::{DMat3, DVec3};
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::sync::Arc;
+
+pub(crate) fn painted(
+    mesh: &Mesh,
+    colour: &dyn Fn(DVec3) -> Vec<f64>,
+    steering: usize,
+) -> Appearance {
+    let values: Vec<f64> = mesh.vertices.iter().flat_map(|&p| colour(p.into())).collect();
+    let channels = colour(DVec3::ZERO).len();
+    Appearance { channels, steering, values, exemplar_values: Vec::new() }
+}
+
+fn fill(mesh: &Mesh, appearance: &Appearance, sources: Sources) -> (Completion, Vec<f64>) {
+    let exemplar = sources.exemplar.clone();
+    let appearance = Some(Arc::new(appearance.clone()));
+    let options = Options { sources, appearance: appearance.clone(), ..Options::default() };
+    let made = complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap();
+    let list = find_holes(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
+    check(&mesh.vertices, &mesh.faces, &made, &filled_rims(&made, &list)).unwrap();
+    let values = appearance.unwrap().complete((&mesh.faces[..]).into(), exemplar.as_deref(), &made);
+    (made, values)
+}
+
+/// Root mean square and greatest difference from the colour that belongs to the place.
+fn off(made: &Completion, values: &[f64], truth: &dyn Fn(DVec3) -> Vec<f64>) -> (f64, f64) {
+    let rows = values.chunks_exact(values.len() / made.vertices.len());
+    let differences: Vec<f64> = (made.vertices.iter().zip(rows))
+        .flat_map(|(&p, row)| truth(p.into()).into_iter().zip(row).map(|(x, y)| x - y))
+        .collect();
+    let square: f64 = differences.iter().map(|d| d * d).sum();
+    let most = differences.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+    ((square / differences.len() as f64).sqrt(), most)
+}
+
+/// Colours that are the same at no two places, and linear, so that faces interpolate them exactly.
+fn linear(p: DVec3) -> Vec<f64> {
+    let at = |d: DVec3| 128.0 + 60.0 * d.dot(p);
+    vec![at(DVec3::X), at(DVec3::new(0.3, 0.8, 0.1)), at(DVec3::new(-0.2, 0.1, 0.7)), at(DVec3::Z)]
+}
+
+/// A vessel whole; the same broken and moved; the turn and the shift.
+fn twins() -> (Mesh, Mesh, DMat3, DVec3) {
+    let whole = Sample::Vessel.build(110).unwrap();
+    let options = BreakOptions { kind: Break::Disc, seed: 1, size: 0.8 };
+    let broken = break_mesh(Sample::Vessel, &whole, &options).unwrap().mesh;
+    let turn = DMat3::from_axis_angle(DVec3::new(0.2, 0.9, -0.5).normalize(), 2.1);
+    let to = DVec3::new(3.0, -7.0, 0.5);
+    let double = |p: &[f32; 3]| p.map(f64::from);
+    let place = |p: &[f32; 3]| (turn * DVec3::from(double(p)) + to).to_array();
+    let whole =
+        Mesh { vertices: whole.vertices.iter().map(double).collect(), faces: whole.faces.clone() };
+    let broken =
+        Mesh { vertices: broken.vertices.iter().map(place).collect(), faces: broken.faces.clone() };
+    (whole, broken, turn, to)
+}
+
+/// Two identical painted parts, one of them broken: the colours that belong to the places come back,
+/// all four channels, though only three steer.
+#[test]
+fn a_broken_part_gets_the_colours_of_its_twin() {
+    let (mut both, broken, turn, to) = twins();
+    let mut values = painted(&both, &linear, 3);
+    let truth = |p: DVec3| linear(turn.transpose() * (p - to));
+    values.values.extend(painted(&broken, &truth, 3).values);
+    let first = both.vertices.len() as u32;
+    both.vertices.extend(&broken.vertices);
+    both.faces.extend(broken.faces.iter().map(|f| f.map(|v| v + first)));
+    let (made, found) = fill(&both, &values, Sources::default());
+    // The place of each new vertex, on the twin or where the vessel itself has the same.
+    let astray = |(p, o): (&[f64; 3], &complete_mesh::Origin)| {
+        let corners = both.faces[o.face as usize].map(|v| DVec3::from(both.vertices[v as usize]));
+        let at: DVec3 = corners.iter().zip(o.barycentric).map(|(&c, w)| w * c).sum();
+        DVec3::from(*p).distance(turn * at + to)
+    };
+    let astray = made.vertices.iter().zip(&made.origins).map(astray).fold(0.0, f64::max);
+    assert!(astray < 1e-5, "a vertex lies {astray} from its place on the twin");
+    let (mean, most) = off(&made, &found, &truth);
+    println!("mean {mean:.2e}, most {most:.2e} of 255");
+    assert!(made.vertices.len() > 100 && made.origins.iter().all(|o| o.confidence > 0.9));
+    assert!(most < 0.5, "the same byte: {most}");
+}
+
+/// The same from an exemplar, also from a mirrored one; without its colours there is nothing to copy.
+#[test]
+fn an_exemplar_gives_its_colours() {
+    for mirrored in [false, true] {
+        from_exemplar(mirrored);
+    }
+}
+
+fn from_exemplar(mirrored: bool) {
+    let (mut whole, broken, turn, to) = twins();
+    let unflip = DVec3::new(if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0);
+    if mirrored {
+        whole.vertices.iter_mut().for_each(|p| p[0] = -p[0]);
+        whole.faces.iter_mut().for_each(|f| f.swap(1, 2));
+    }
+    let truth = |p: DVec3| linear(turn.transpose() * (p - to));
+    let twin = Exemplar { vertices: whole.vertices.clone(), faces: whole.faces.clone() };
+    let sources =
+        Sources { exemplar: Some(Arc::new(twin)), exemplar_only: true, ..Sources::default() };
+    let mut values = painted(&broken, &truth, 3);
+    let (made, plain) = fill(&broken, &values, sources.clone());
+    let (_, without) = off(&made, &plain, &truth);
+    values.exemplar_values = painted(&whole, &|p| linear(p * unflip), 3).values;
+    let (made, found) = fill(&broken, &values, sources);
+    let (mean, most) = off(&made, &found, &truth);
+    println!("mean {mean:.2e}, most {most:.2e}, without the exemplar's colours {without:.2e}");
+    assert!(most < 0.5 && without > 4.0 * most);
+}
+
+/// A smooth surface of revolution, or a flat wall, without a piece.
+pub(crate) fn lathe(flat: bool) -> Mesh {
+    let (around, along) = (160, 100);
+    let place = |i: usize, j: usize| {
+        let (a, z) = (TAU * i as f64 / around as f64, 2.0 * j as f64 / along as f64 - 1.0);
+        if flat {
+            return [a - 0.5 * TAU, 2.0 * z, 0.0];
+        }
+        let r = 1.0 + 0.2 * (2.0 * z).cos();
+        [r * a.cos(), r * a.sin(), 2.0 * z]
+    };
+    let columns = if flat { around } else { around - 1 };
+    let vertices: Vec<[f64; 3]> =
+        (0..=along).flat_map(|j| (0..=columns).map(move |i| place(i, j))).collect();
+    let width = columns + 1;
+    let mut faces = Vec::new();
+    for j in 0..along {
+        for i in 0..around {
+            let next = (i + 1) % width;
+            let [a, b] = [j * width + i, j * width + next].map(|v| v as u32);
+            let [c, d] = [b + width as u32, a + width as u32];
+            faces.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    let middle = if flat { DVec3::new(0.4, 0.3, 0.0) } else { DVec3::new(1.1, 0.5, 0.2) };
+    let is_far = |v: &u32| DVec3::from(vertices[*v as usize]).distance(middle) > 0.62;
+    faces.retain(|f| f.iter().all(is_far));
+    let mut number = vec![u32::MAX; vertices.len()];
+    let mut kept = Vec::new();
+    for v in faces.iter_mut().flatten() {
+        let n = &mut number[*v as usize];
+        if *n == u32::MAX {
+            *n = kept.len() as u32;
+            kept.push(vertices[*v as usize]);
+        }
+        *v = *n;
+    }
+    Mesh { vertices: kept, faces }
+}
+
+/// Only the inner hole: the borders stay open.
+pub(crate) fn fill_inner(mesh: &Mesh, appearance: Option<Appearance>) -> Completion {
+    let list = find_holes(mesh.view(), &Grouping::Separate, &Monitor::silent()).unwrap();
+    let inner = list.holes.iter().min_by(|a, b| a.circumference.total_cmp(&b.circumference));
+    let options = Options {
+        grouping: Grouping::Separate,
+        selection: complete_mesh::Selection::Ids(vec![inner.unwrap().id]),
+        appearance: appearance.map(Arc::new),
+        ..Options::default()
+    };
+    complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap()
+}
+
+pub(crate) fn pattern(flat: bool) -> impl Fn(DVec3) -> Vec<f64> {
+    move |p: DVec3| {
+        let a = if flat { p.x } else { p.y.atan2(p.x) };
+        let v = (6.0 * a).sin() * (5.0 * (if flat { p.y } else { p.z })).sin();
+        vec![0.5 + 0.4 * v, 0.5 - 0.2 * v, 0.3]
+    }
+}
+
+/// Where shape says nothing (any turn of a vessel, any place on a wall), colour finds the source.
+#[test]
+fn a_pattern_that_only_colour_can_find() {
+    for flat in [false, true] {
+        let (mesh, truth) = (lathe(flat), pattern(flat));
+        let errors = [3, 0].map(|steering| {
+            let values = painted(&mesh, &truth, steering);
+            let made = fill_inner(&mesh, Some(values.clone()));
+            off(&made, &values.complete((&mesh.faces[..]).into(), None, &made), &truth).0
+        });
+        println!("flat {flat}: {:.4} by colour, {:.4} by shape alone", errors[0], errors[1]);
+        assert!(errors[0] < 0.02 && errors[1] > 5.0 * errors[0], "{errors:?}");
+    }
+}
+
+/// Values that do not steer leave the shape as it is, to the bit; so do colours that are all one.
+#[test]
+fn without_steering_nothing_changes() {
+    let mesh = lathe(false);
+    let plain = fill_inner(&mesh, None);
+    let one_colour = |_: DVec3| vec![0.3, 0.7, 0.2];
+    for values in [painted(&mesh, &pattern(false), 0), painted(&mesh, &one_colour, 3)] {
+        let made = fill_inner(&mesh, Some(values));
+        assert!(made.vertices == plain.vertices && made.faces == plain.faces);
+        assert!(made.origins == plain.origins);
+    }
+}
+
+/// A file's colours and floats, written with the fill, are those of the library; bytes are rounded.
+#[test]
+fn files_get_the_same_values() {
+    let (mesh, truth) = (lathe(false), pattern(false));
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n\
+         property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+         property double heat\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        mesh.vertices.len(),
+        mesh.faces.len()
+    );
+    let mut values = Vec::new();
+    for &p in &mesh.vertices {
+        let rgb: Vec<f64> = truth(p.into()).iter().map(|x| (255.0 * x).round()).collect();
+        let heat = 7.0 * truth(p.into())[0];
+        writeln!(text, "{} {} {} {} {} {} {heat}", p[0], p[1], p[2], rgb[0], rgb[1], rgb[2])
+            .unwrap();
+        values.extend(rgb.into_iter().chain([heat]));
+    }
+    mesh.faces.iter().for_each(|f| writeln!(text, "3 {} {} {}", f[0], f[1], f[2]).unwrap());
+    let mut document = Document::parse(text.clone().into_bytes(), Format::Ply).unwrap();
+    let appearance = Appearance { channels: 4, steering: 3, values, exemplar_values: Vec::new() };
+    let made = fill_inner(&mesh, Some(appearance.clone()));
+    let wanted = appearance.complete(document.faces(), None, &made);
+    document.append(&made, &Extras::default()).unwrap();
+    let written = String::from_utf8(document.to_bytes()).unwrap();
+    let header = written.lines().position(|l| l == "end_header").unwrap() + 1;
+    let rows = written.lines().skip(header + mesh.vertices.len());
+    for (row, wanted) in rows.zip(wanted.chunks_exact(4)) {
+        let row: Vec<f64> = row.split(' ').map(|x| x.parse().unwrap()).collect();
+        for c in 0..3 {
+            assert!((row[3 + c] - wanted[c]).abs() <= 0.5 + 1e-6, "{row:?} {wanted:?}");
+        }
+        assert!((row[6] - wanted[3]).abs() < 1e-6, "{row:?} {wanted:?}");
+    }
+}
+
+/// Nothing of a part that may not be copied from gets into the fill.
+#[test]
+fn forbidden_colours_stay_away() {
+    let mesh = lathe(false);
+    let marked = |p: DVec3| {
+        let mark = if p.x < 0.0 { 1.0 } else { 0.0 };
+        [&pattern(false)(p)[..], &[mark]].concat()
+    };
+    let values = painted(&mesh, &marked, 3);
+    let may = |f: &[u32; 3]| f.iter().all(|&v| mesh.vertices[v as usize][0] > 0.1);
+    let faces: Arc<[bool]> = mesh.faces.iter().map(may).collect();
+    let sources = Sources { faces: Some(faces.clone()), ..Sources::default() };
+    let list = find_holes(mesh.view(), &Grouping::Separate, &Monitor::silent()).unwrap();
+    let inner = list.holes.iter().min_by(|a, b| a.circumference.total_cmp(&b.circumference));
+    let options = Options {
+        grouping: Grouping::Separate,
+        selection: complete_mesh::Selection::Ids(vec![inner.unwrap().id]),
+        appearance: Some(Arc::new(values.clone())),
+        sources,
+        ..Options::default()
+    };
+    let made = complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap();
+    let found = values.complete((&mesh.faces[..]).into(), None, &made);
+    assert!(made.origins.iter().any(|o| o.confidence > 0.0));
+    for (row, origin) in found.chunks_exact(4).zip(&made.origins) {
+        assert!(row[3].abs() < 1e-9, "{row:?}");
+        assert!(faces.get(origin.face as usize).copied().unwrap_or(true), "{origin:?}");
+    }
+}
+
+/// Lists that do not fit are errors.
+#[test]
+fn wrong_lists_are_refused() {
+    let mesh = lathe(true);
+    let good = painted(&mesh, &pattern(true), 3);
+    let mut bad = vec![good.clone(); 5];
+    bad[0].values.pop();
+    bad[1].values[7] = f64::NAN;
+    bad[2].steering = 4;
+    bad[3].exemplar_values = vec![0.0; 3];
+    bad[4].channels = 0;
+    for appearance in bad {
+        let appearance = Some(Arc::new(appearance));
+        let options = Options { appearance, ..Options::default() };
+        let error = complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap_err();
+        assert!(matches!(error, Error::InvalidOption { name: "appearance", .. }), "{error}");
+    }
+}
+
+/// The painted sample, broken: the braid, the stipples and their colours go on.
+#[test]
+fn the_painted_vessel_gets_its_pattern_back() {
+    let whole = Sample::Vessel.build(110).unwrap();
+    let options = BreakOptions { kind: Break::Disc, seed: 1, size: 0.8 };
+    let broken = break_mesh(Sample::Vessel, &whole, &options).unwrap().mesh;
+    let colour = |p: DVec3| -> Vec<f64> {
+        let point = p.to_array().map(|x| x as f32);
+        Sample::Vessel.paint(&[point]).unwrap()[0][..3].iter().map(|&x| f64::from(x)).collect()
+    };
+    let double = |p: &[f32; 3]| p.map(f64::from);
+    let mesh = Mesh { vertices: broken.vertices.iter().map(double).collect(), faces: broken.faces };
+    let values = painted(&mesh, &colour, 3);
+    let (made, found) = fill(&mesh, &values, Sources::default());
+    let plain = Options { method: complete_mesh::Method::Smooth, ..Options::default() };
+    let smooth = complete_mesh(&mesh.vertices[..], &mesh.faces[..], &plain).unwrap();
+    let from_rim = values.complete((&mesh.faces[..]).into(), None, &smooth);
+    let (copied, blurred) = (off(&made, &found, &colour).0, off(&smooth, &from_rim, &colour).0);
+    println!("off by {copied:.1} of 255, from the rim {blurred:.1}");
+    assert!(copied < 0.4 * blurred, "{copied} {blurred}");
+}
