@@ -426,6 +426,27 @@ enum complete_mesh_status complete_mesh(const void *vertices,
                                         const struct complete_mesh_options *opts,
                                         struct complete_mesh_result **result);
 
+// Fills the holes of a point cloud with new points. Outer borders of open surfaces stay open unless
+// they are selected by id, point or vertices. The input is only read, and only while the call lasts.
+//
+// points: positions, three numbers each; float unless vertex_type of the options says double.
+// Three NaN are a point without coordinates, which is passed through. NULL if point_count is 0.
+// point_count: how many points.
+// normals: packed, of the number type of the points, any length, zero where unknown: which side is
+// out; NULL: guessed.
+// opts: as for complete_mesh, vertices being points; source_faces and the initial completion must
+// not be set. NULL for the defaults.
+// result: receives the new result, whose vertices are the points and which has no faces, to be
+// freed with complete_mesh_result_free; NULL on failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK, also for a cloud without holes, or what was wrong. May be called
+// by any number of threads at once.
+enum complete_mesh_status complete_mesh_points(const void *points,
+                                               size_t point_count,
+                                               const void *normals,
+                                               const struct complete_mesh_options *opts,
+                                               struct complete_mesh_result **result);
+
 // Finds and measures the holes of a mesh and fills nothing.
 //
 // vertices, vertex_count, faces, face_count: as for complete_mesh.
@@ -674,6 +695,15 @@ const uint32_t *complete_mesh_result_new_vertex_sources(const struct complete_me
 // below 0.5 it did worse than one. NULL if there are no new vertices. The array belongs to the
 // result.
 const double *complete_mesh_result_new_vertex_confidences(const struct complete_mesh_result *result);
+
+// For each new point of a cloud the input point nearest to where its detail was copied from;
+// UINT32_MAX if from nowhere. NULL for a mesh, and if there are no new points. The array belongs to
+// the result.
+const uint32_t *complete_mesh_result_new_vertex_source_points(const struct complete_mesh_result *result);
+
+// For each new point of a cloud its unit normal, three numbers, on the side of the normals given, or
+// else outside. NULL for a mesh, and if there are no new points. The array belongs to the result.
+const double *complete_mesh_result_new_vertex_normals(const struct complete_mesh_result *result);
 
 // For each new vertex the numbers that vertex_values of the options gave the input's, value_channels
 // of them: copied from where the shape was copied from, else carried in from the rim. Between the

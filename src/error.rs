@@ -16,6 +16,30 @@ pub enum Error {
         /// Index of the vertex.
         vertex: usize,
     },
+    /// A point's coordinate is infinite, or only some of them are NaN.
+    #[error("point {point} has a coordinate that is not finite: remove or repair it")]
+    NonFinitePoint {
+        /// Index of the point.
+        point: usize,
+    },
+    /// A surface takes more points than there are.
+    #[error("{count} points that differ are too few for a surface: give at least 4")]
+    TooFewPoints {
+        /// How many there are, less doubles, outliers and missing ones.
+        count: usize,
+    },
+    /// The points lie on one line, or at one place.
+    #[error("all {count} points lie on one line: there is no surface to complete")]
+    PointsOnALine {
+        /// How many there are.
+        count: usize,
+    },
+    /// No triangle fits through the points.
+    #[error("the {count} points lie on no surface: they are too uneven, or fill a volume")]
+    NoSurface {
+        /// How many there are.
+        count: usize,
+    },
     /// A face names a vertex that does not exist.
     #[error("face {face} names vertex {index}, but there are only {vertex_count} vertices")]
     IndexOutOfRange {

@@ -36,6 +36,7 @@ pub mod matching;
 pub mod mesh;
 pub mod options;
 mod parallel;
+pub mod points;
 pub mod progress;
 pub mod result;
 pub mod synthesis;
@@ -53,6 +54,9 @@ pub use holes::{find_holes, BoundaryLoop, Hole, HoleKind, HoleList};
 pub use mesh::{FaceView, MeshView, VertexView};
 pub use options::{
     Appearance, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
+};
+pub use points::{
+    complete_points, complete_points_with, find_point_holes, Copied, PointCompletion, PointHoles,
 };
 pub use progress::Monitor;
 pub use result::{Completion, HoleReport, HoleStatus, Origin, Seam, SourceReport};

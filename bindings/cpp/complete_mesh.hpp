@@ -562,6 +562,13 @@ class Result {
   View<double> new_vertex_confidences() const {
     return {complete_mesh_result_new_vertex_confidences(get()), new_count()};
   }
+  // Of a cloud; empty for a mesh. mesh_completion::none where there is no source.
+  View<std::uint32_t> new_point_source_points() const {
+    return of_points<View<std::uint32_t>>(complete_mesh_result_new_vertex_source_points(get()));
+  }
+  Rows<double, 3> new_point_normals() const {
+    return of_points<Rows<double, 3>>(complete_mesh_result_new_vertex_normals(get()));
+  }
   // Options::value_channels numbers for each new vertex; empty without Options::vertex_values.
   View<double> new_vertex_values() const {
     return {complete_mesh_result_new_vertex_values(get()), new_count() * value_channels_};
@@ -579,6 +586,11 @@ class Result {
  private:
   std::size_t new_count() const { return complete_mesh_result_new_vertex_count(get()); }
   std::size_t new_face_count() const { return complete_mesh_result_new_face_count(get()); }
+  // NULL for a mesh.
+  template <class Range, class Number>
+  Range of_points(const Number* p) const {
+    return {p, p ? new_count() : 0};
+  }
 
   std::shared_ptr<complete_mesh_result> result_;
   std::size_t value_channels_;
@@ -748,6 +760,21 @@ Outcome<Result<Scalar>> try_complete(const MeshView<Scalar>& mesh, const Options
   return Result<Scalar>(result, options.value_channels);
 }
 
+// Fills the holes of a point cloud: complete_mesh_points. The view's faces are not used; its vertices
+// are the points, and so are those of the result. normals: as many, packed, or nullptr.
+template <class Scalar>
+Outcome<Result<Scalar>> try_complete_points(const MeshView<Scalar>& cloud,
+                                            const Scalar* normals = nullptr,
+                                            const Options& options = {}) {
+  detail::Call call(options, cloud);
+  if (call.refused()) return *call.refused();
+  complete_mesh_result* result = nullptr;
+  const complete_mesh_status status = complete_mesh_points(
+      cloud.vertices, cloud.vertex_count, normals, call.options(), &result);
+  if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
+  return Result<Scalar>(result, options.value_channels);
+}
+
 // Finds and measures the holes of a mesh and fills nothing: complete_mesh_find_holes.
 template <class Scalar>
 Outcome<Holes> try_list_holes(const MeshView<Scalar>& mesh, const Options& options = {}) {
@@ -817,6 +844,12 @@ class Completer {
 template <class Scalar>
 Result<Scalar> complete(const MeshView<Scalar>& mesh, const Options& options = {}) {
   return try_complete(mesh, options).take();
+}
+
+template <class Scalar>
+Result<Scalar> complete_points(const MeshView<Scalar>& cloud, const Scalar* normals = nullptr,
+                               const Options& options = {}) {
+  return try_complete_points(cloud, normals, options).take();
 }
 
 template <class Scalar>

@@ -113,7 +113,9 @@ impl Elements {
     fn of_error(error: &Error) -> Self {
         let mut named = Elements::default();
         match error {
-            Error::NonFinite { vertex } => named.vertices.push(*vertex as u32),
+            Error::NonFinite { vertex: v } | Error::NonFinitePoint { point: v } => {
+                named.vertices.push(*v as u32)
+            }
             Error::IndexOutOfRange { face, .. } => named.faces.push(*face as u32),
             Error::NoSuchHole { hole, .. } | Error::HoleFailed { hole, .. } => {
                 named.holes.push(*hole as u32)
@@ -123,6 +125,9 @@ impl Elements {
                 named.add_problem(problem);
             }
             Error::Empty
+            | Error::TooFewPoints { .. }
+            | Error::PointsOnALine { .. }
+            | Error::NoSurface { .. }
             | Error::TooLarge { .. }
             | Error::InvalidOption { .. }
             | Error::Unsupported { .. }
@@ -168,6 +173,10 @@ impl From<Error> for Failure {
         let status = match &error {
             Error::Empty
             | Error::NonFinite { .. }
+            | Error::NonFinitePoint { .. }
+            | Error::TooFewPoints { .. }
+            | Error::PointsOnALine { .. }
+            | Error::NoSurface { .. }
             | Error::IndexOutOfRange { .. }
             | Error::TooLarge { .. } => Status::InvalidMesh,
             Error::NoSuchHole { .. } => Status::NoSuchHole,

@@ -44,6 +44,25 @@ unsafe fn bytes<'a>(
     Ok(unsafe { std::slice::from_raw_parts(data.cast::<u8>(), length) })
 }
 
+/// The caller's normals, one a vertex, packed, in the number type of the vertices; none for NULL.
+///
+/// # Safety
+/// `normals` is NULL or has `count` of them that nobody writes while `'a` lasts.
+pub(super) unsafe fn normals<'a>(
+    normals: *const c_void,
+    count: usize,
+    opts: &COptions,
+) -> Result<Option<VertexView<'a>>, Failure> {
+    if normals.is_null() {
+        return Ok(None);
+    }
+    let single = opts.single()?;
+    let size = if single { 12 } else { 24 };
+    // SAFETY: the caller of this function answers for the array.
+    let bytes = unsafe { bytes("normals", normals, count, size, size)? };
+    Ok(VertexView::from_bytes(bytes, count, size, single))
+}
+
 /// The caller's mesh: the view that the algorithms read, and the bytes below it, which alone give
 /// the input back bit for bit.
 #[derive(Clone, Copy)]

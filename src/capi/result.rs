@@ -6,6 +6,7 @@ use super::holes::Holes;
 use super::input::Input;
 use super::options::CVertexType;
 use crate::holes::HoleList;
+use crate::points::PointCompletion;
 use crate::result::{Completion, Origin};
 use std::ffi::c_void;
 
@@ -51,6 +52,9 @@ pub struct MeshResult {
     whole_mesh: bool,
     vertex_hole: Vec<u32>,
     origins: Origins,
+    /// Of a cloud: source points and normals of the new points.
+    source_points: Vec<u32>,
+    normals: Vec<[f64; 3]>,
     /// Of the new vertices.
     values: Vec<f64>,
     face_hole: Vec<u32>,
@@ -114,10 +118,26 @@ impl MeshResult {
             holes: Holes::new(list, &completion.holes),
             vertex_hole: completion.vertex_hole,
             origins: Origins::new(&completion.origins)?,
+            source_points: Vec::new(),
+            normals: Vec::new(),
             face_hole: completion.face_hole,
             seconds: completion.seconds,
             cpu_seconds: completion.cpu_seconds,
         })
+    }
+
+    /// Of a cloud: points alone.
+    pub(super) fn of_points(
+        input: &Input,
+        made: PointCompletion,
+        whole_mesh: bool,
+    ) -> Result<Self, Failure> {
+        let PointCompletion { mut completion, normals, source_points, values, found, .. } = made;
+        completion.faces.clear();
+        completion.face_hole.clear();
+        completion.holes.iter_mut().for_each(|h| h.faces = 0..0);
+        let made = Self::new(input, &found.list, completion, values, whole_mesh)?;
+        Ok(Self { source_points, normals, ..made })
     }
 
     /// The positions from vertex `first` of the array on; NULL if there are none.
@@ -294,6 +314,27 @@ pub unsafe extern "C" fn complete_mesh_result_new_vertex_confidences(
 ) -> *const f64 {
     // SAFETY: as above.
     unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.origins.confidences))) }
+}
+
+/// For each new point of a cloud the input point nearest to where its detail was copied from;
+/// UINT32_MAX if from nowhere. NULL for a mesh, and if there are no new points. The array belongs to
+/// the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_source_points(
+    result: *const MeshResult,
+) -> *const u32 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.source_points))) }
+}
+
+/// For each new point of a cloud its unit normal, three numbers, on the side of the normals given, or
+/// else outside. NULL for a mesh, and if there are no new points. The array belongs to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_normals(
+    result: *const MeshResult,
+) -> *const f64 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.normals)).cast()) }
 }
 
 /// For each new vertex the numbers that vertex_values of the options gave the input's, value_channels

@@ -36,6 +36,10 @@ impl Failure {
                 Error::Cancelled => 130,
                 Error::Empty
                 | Error::NonFinite { .. }
+                | Error::NonFinitePoint { .. }
+                | Error::TooFewPoints { .. }
+                | Error::PointsOnALine { .. }
+                | Error::NoSurface { .. }
                 | Error::IndexOutOfRange { .. }
                 | Error::TooLarge { .. }
                 | Error::NoSuchHole { .. }

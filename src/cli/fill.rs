@@ -5,6 +5,7 @@ use super::args::FillArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::output::{same_file, Outputs};
+use super::points;
 use super::report::{warnings, File, Report};
 use super::{check_interrupt, interrupt};
 use crate::complete::Completer;
@@ -36,6 +37,9 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     let exemplar = args.sources.exemplar()?;
     options.sources = args.sources.sources(&document, exemplar.as_ref());
     options.appearance = appearance(&document, exemplar.as_ref());
+    if document.is_cloud() {
+        return points::fill(args, &options, input, document, exemplar.as_ref(), console);
+    }
     if let Some(path) = &args.initial {
         options.initial = Some(Arc::new(initial(path, &document)?));
     }
@@ -192,7 +196,7 @@ pub(super) fn convert(
 }
 
 /// The summary.
-fn tell(report: &Report, completion: &Completion, console: &Console) {
+pub(super) fn tell(report: &Report, completion: &Completion, console: &Console) {
     tell_warnings(&report.warnings, console);
     for hole in &report.holes {
         if let Some(reason) = &hole.reason {

@@ -27,6 +27,9 @@ pub(super) fn run(args: &HolesArgs, console: &Console) -> Result<(), Failure> {
     console.step("read");
     let document = Document::read(&args.input)?;
     super::check_interrupt()?;
+    if document.is_cloud() {
+        return super::points::holes(args, &document, console);
+    }
     let mesh = MeshView::new(document.vertices(), document.faces());
     let progress = |fraction: f64, stage: &str| console.progress(fraction, stage);
     let monitor = Monitor::new(&progress);
@@ -81,12 +84,17 @@ fn table(holes: &HoleList, mean_edge: f64) -> String {
             m.problem.unwrap_or_else(|| "-".into()),
         ]
     }));
+    align(&rows, &[1, 6, 7])
+}
+
+/// Rows in columns, those of words (`left`) to the left.
+pub(super) fn align(rows: &[[String; 8]], left: &[usize]) -> String {
     let width: [usize; 8] =
         std::array::from_fn(|c| rows.iter().map(|r| r[c].len()).max().unwrap_or(0));
     let line = |row: &[String; 8]| {
-        let cells = row.iter().enumerate().map(|(c, text)| match c {
-            1 | 6 | 7 => format!("{text:<w$}", w = width[c]),
-            _ => format!("{text:>w$}", w = width[c]),
+        let cells = row.iter().enumerate().map(|(c, text)| match left.contains(&c) {
+            true => format!("{text:<w$}", w = width[c]),
+            false => format!("{text:>w$}", w = width[c]),
         });
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };

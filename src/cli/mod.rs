@@ -8,6 +8,7 @@ mod fill;
 mod holes;
 mod interrupt;
 mod output;
+mod points;
 mod report;
 mod sample;
 mod sources;

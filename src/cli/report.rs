@@ -3,6 +3,7 @@
 use crate::holes::{Hole, HoleKind, HoleList};
 use crate::mesh::MeshView;
 use crate::options::Options;
+use crate::points::{PointCompletion, PointHoles};
 use crate::result::{Completion, HoleStatus, SourceReport};
 use serde::Serialize;
 
@@ -115,6 +116,7 @@ pub(super) struct Warning {
 pub(super) enum Element {
     Vertices([u32; 2]),
     Face(u32),
+    Point(u32),
 }
 
 impl Measured {
@@ -194,6 +196,45 @@ impl Report {
             warnings: warnings(holes),
         }
     }
+}
+
+impl Report {
+    /// Of a cloud's completion: vertices are points, and there are no faces.
+    pub fn of_points(input: File, output: File, options: &Options, made: &PointCompletion) -> Self {
+        let mut report = Self::new(input, output, options, &made.found.list, &made.completion);
+        report.new_faces = 0;
+        report.holes.iter_mut().for_each(|h| h.new_faces = 0);
+        report.warnings = point_warnings(&made.found);
+        report
+    }
+}
+
+/// What is odd about a cloud.
+pub(super) fn point_warnings(found: &PointHoles) -> Vec<Warning> {
+    let points = |kind, what: &str, list: &[u32]| Warning {
+        kind,
+        message: message(list.len(), what, list.first().map(ToString::to_string)),
+        count: list.len(),
+        elements: list.iter().take(LISTED).map(|&p| Element::Point(p)).collect(),
+    };
+    let all = [
+        points(
+            "missing-points",
+            "points have no coordinates; they are passed through",
+            &found.missing,
+        ),
+        points(
+            "duplicate-points",
+            "points are at the place of an earlier one; they stay and were not looked at",
+            &found.doubles,
+        ),
+        points(
+            "outliers",
+            "points lie beside the surface; they stay and were not looked at",
+            &found.outliers,
+        ),
+    ];
+    all.into_iter().filter(|w| w.count > 0).collect()
 }
 
 /// What is odd about the boundary.

@@ -40,6 +40,16 @@ pub(super) fn convert(d: &Document, format: Format) -> Result<(Vec<u8>, Vec<Stri
         Format::Ply => to_ply(&content),
         Format::Obj => to_obj(&content),
         Format::Off => to_off(&content),
+        Format::Xyz if content.ends.is_empty() => {
+            if content.colours.is_some() {
+                dropped.push("the vertices' colours".to_owned());
+            }
+            to_xyz(&content)
+        }
+        Format::Xyz | Format::Pcd => {
+            let what = "meshes are not written as it, and clouds only from their own format".into();
+            return Err(IoError::Unsupported { format, what });
+        }
         Format::Stl => {
             let notes = [
                 (content.colours.is_some(), "the vertices' colours"),
@@ -74,6 +84,15 @@ fn push_point(out: &mut Vec<u8>, vertices: VertexView<'_>, i: usize) {
         }
         push_real(out, x, vertices.is_single());
     }
+}
+
+fn to_xyz(content: &Content<'_>) -> Vec<u8> {
+    let mut out = Vec::new();
+    for i in 0..content.vertices.len() {
+        push_point(&mut out, content.vertices, i);
+        out.push(b'\n');
+    }
+    out
 }
 
 fn to_obj(content: &Content<'_>) -> Vec<u8> {

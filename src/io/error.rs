@@ -25,7 +25,7 @@ pub enum IoError {
         source: std::io::Error,
     },
     /// Neither the name nor the content tells the format.
-    #[error("{}: not a known mesh file; use .ply, .obj, .stl or .off", .path.display())]
+    #[error("{}: not a known file; use .ply, .obj, .stl or .off, or for points .ply, .xyz or .pcd", .path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,

@@ -1,4 +1,4 @@
-//! Mesh files: PLY, OBJ, STL and OFF, read without losing anything.
+//! Mesh files (PLY, OBJ, STL and OFF) and point files (PLY, XYZ, PCD), read without losing anything.
 //!
 //! A [`Document`] keeps the file's own bytes. The fill is spliced into them as new rows or lines;
 //! nothing else changes but the counts, so whatever else the file holds comes back bit for bit:
@@ -30,14 +30,18 @@ mod obj;
 mod obj_corners;
 mod obj_texture;
 mod off;
+mod pcd;
 mod ply;
 mod polygon;
 mod stl;
+mod table;
 mod text;
+mod xyz;
 
 pub use error::{IoError, Place};
 
 use crate::mesh::{FaceView, VertexView};
+use crate::points::PointCompletion;
 use crate::result::Completion;
 use polygon::Triangles;
 use std::fmt;
@@ -54,6 +58,10 @@ pub enum Format {
     Stl,
     /// Object File Format of Geomview, with or without colours and normals.
     Off,
+    /// Points as text, one a line: XYZ, ASC, PTS.
+    Xyz,
+    /// Points of the Point Cloud Library, ascii or binary.
+    Pcd,
 }
 
 impl Format {
@@ -64,6 +72,8 @@ impl Format {
             "obj" => Some(Format::Obj),
             "stl" => Some(Format::Stl),
             "off" | "coff" | "noff" => Some(Format::Off),
+            "xyz" | "xyzn" | "xyzrgb" | "asc" | "pts" => Some(Format::Xyz),
+            "pcd" => Some(Format::Pcd),
             _ => None,
         }
     }
@@ -76,6 +86,9 @@ impl Format {
             b"ply" => Some(Format::Ply),
             b"solid" => Some(Format::Stl),
             _ if first.ends_with(b"OFF") => Some(Format::Off),
+            _ if text::words(&bytes[..bytes.len().min(256)]).nth(1) == Some(b".PCD") => {
+                Some(Format::Pcd)
+            }
             _ => None,
         }
     }
@@ -88,6 +101,8 @@ impl fmt::Display for Format {
             Format::Obj => "OBJ",
             Format::Stl => "STL",
             Format::Off => "OFF",
+            Format::Xyz => "XYZ",
+            Format::Pcd => "PCD",
         })
     }
 }
@@ -127,6 +142,8 @@ enum Layout {
     Obj,
     Stl(stl::Layout),
     Off(off::Layout),
+    Xyz(xyz::Layout),
+    Pcd(pcd::Layout),
 }
 
 /// The geometry for the analysis.
@@ -203,6 +220,8 @@ impl Document {
             Format::Obj => obj::read(&bytes).map(|m| (Layout::Obj, m)),
             Format::Stl => stl::read(&bytes).map(|(l, m)| (Layout::Stl(l), m)),
             Format::Off => off::read(&bytes).map(|(l, m)| (Layout::Off(l), m)),
+            Format::Xyz => xyz::read(&bytes).map(|(l, m)| (Layout::Xyz(l), m)),
+            Format::Pcd => pcd::read(&bytes).map(|(l, m)| (Layout::Pcd(l), m)),
         };
         let (layout, mesh) = read.map_err(|fault| fault.into_error(format))?;
         Ok(Document { bytes, layout, mesh, dropped: Vec::new() })
@@ -251,6 +270,8 @@ impl Document {
             Layout::Obj => Format::Obj,
             Layout::Stl(_) => Format::Stl,
             Layout::Off(_) => Format::Off,
+            Layout::Xyz(_) => Format::Xyz,
+            Layout::Pcd(_) => Format::Pcd,
         }
     }
 
@@ -266,13 +287,29 @@ impl Document {
         self.mesh.triangles.view()
     }
 
+    /// Whether the file holds points alone.
+    pub fn is_cloud(&self) -> bool {
+        self.faces().is_empty() && !self.vertices().is_empty()
+    }
+
+    /// The normals of all vertices as the file has them, if it has any.
+    pub fn vertex_normals(&self) -> Option<Vec<[f64; 3]>> {
+        match &self.layout {
+            Layout::Ply(layout) => layout.vertex_normals(&self.bytes),
+            Layout::Xyz(layout) => layout.normals(&self.bytes),
+            Layout::Pcd(layout) => layout.normals(&self.bytes),
+            _ => None,
+        }
+    }
+
     /// Red, green, blue and alpha (0 to 255) of every vertex, if the file has colours.
     pub fn vertex_colours(&self) -> Option<Vec<[u8; 4]>> {
         match &self.layout {
             Layout::Ply(layout) => layout.vertex_colours(&self.bytes),
             Layout::Obj => obj::vertex_colours(&self.bytes),
-            Layout::Stl(_) => None,
+            Layout::Stl(_) | Layout::Xyz(_) => None,
             Layout::Off(layout) => layout.vertex_colours(&self.bytes),
+            Layout::Pcd(layout) => layout.colours(&self.bytes),
         }
     }
 
@@ -286,6 +323,7 @@ impl Document {
                 Ok(())
             }
             Layout::Off(layout) => layout.each_face(&self.bytes, face),
+            Layout::Xyz(_) | Layout::Pcd(_) => Ok(()),
         }
     }
 
@@ -296,6 +334,8 @@ impl Document {
             Layout::Obj => obj::extra_statements(&self.bytes),
             Layout::Stl(layout) => layout.extras(&self.bytes),
             Layout::Off(layout) => layout.extras(&self.bytes),
+            Layout::Xyz(layout) => layout.extras(),
+            Layout::Pcd(layout) => layout.extras(),
         }
     }
 
@@ -353,10 +393,64 @@ impl Document {
             Layout::Obj => obj::append(bytes, mesh, completion, &patch()),
             Layout::Stl(layout) => stl::append(layout, bytes, mesh, completion),
             Layout::Off(layout) => off::append(layout, bytes, mesh, completion, &patch()),
+            Layout::Xyz(_) | Layout::Pcd(_) => {
+                let what = "it has no place for faces; write PLY".into();
+                Err(IoError::Unsupported { format: self.format(), what })
+            }
         }?;
         let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
         // Not two face lists at a time. What `append` made is valid: it reads back.
         self.mesh.triangles = Triangles::default();
+        edit::splice(&mut self.bytes, edits);
+        *self = Self::parse(std::mem::take(&mut self.bytes), format)?;
+        self.dropped = dropped;
+        Ok(())
+    }
+
+    /// Adds new points to a cloud, each with all that the file's points carry; see
+    /// [`Document::append`]. With `extras.provenance` the columns are those listed at
+    /// [`Extras::provenance`], but for the three of the source face, in whose place stands
+    /// `source_point` (int): the input point that the detail was copied from.
+    ///
+    /// Errors: as of [`Document::append`]; PLY, XYZ and PCD can hold new points, PLY alone their
+    /// provenance.
+    pub fn append_points(
+        &mut self,
+        made: &PointCompletion,
+        extras: &Extras,
+    ) -> Result<(), IoError> {
+        self.append_points_with(made, extras, None)
+    }
+
+    /// The same with the exemplar that was copied from: its colours are copied, too.
+    pub fn append_points_with(
+        &mut self,
+        made: &PointCompletion,
+        extras: &Extras,
+        exemplar: Option<&Document>,
+    ) -> Result<(), IoError> {
+        self.check(&made.completion)?;
+        if made.completion.vertices.is_empty() && !extras.provenance {
+            return Ok(());
+        }
+        let (bytes, mesh) = (&self.bytes, &self.mesh);
+        let unsupported =
+            |what: &str| Err(IoError::Unsupported { format: self.format(), what: what.into() });
+        let completion = made.on_mesh();
+        let faces = (&made.copied.faces[..]).into();
+        let patch = attributes::Patch::with_sources(&completion, faces, exemplar);
+        let edits = match &self.layout {
+            Layout::Ply(layout) => {
+                ply::append_points(layout, bytes, mesh, &made.source_points, patch, extras)
+            }
+            _ if extras.provenance => {
+                unsupported("it has no place for the columns of provenance; write PLY")
+            }
+            Layout::Xyz(layout) => Ok(xyz::append(layout, bytes, mesh, made, &patch)),
+            Layout::Pcd(layout) => Ok(pcd::append(layout, bytes, made, &patch)),
+            _ => unsupported("new points cannot be added to it; write PLY, XYZ or PCD"),
+        }?;
+        let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
         edit::splice(&mut self.bytes, edits);
         *self = Self::parse(std::mem::take(&mut self.bytes), format)?;
         self.dropped = dropped;

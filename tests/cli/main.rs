@@ -5,4 +5,5 @@ mod failures;
 mod fill;
 mod other;
 mod place;
+mod points;
 mod sources;

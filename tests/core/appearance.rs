@@ -25,12 +25,12 @@ pub(crate) fn painted(
 
 fn fill(mesh: &Mesh, appearance: &Appearance, sources: Sources) -> (Completion, Vec<f64>) {
     let exemplar = sources.exemplar.clone();
-    let appearance = Some(Arc::new(appearance.clone()));
-    let options = Options { sources, appearance: appearance.clone(), ..Options::default() };
+    let appearance = Arc::new(appearance.clone());
+    let options = Options { sources, appearance: Some(appearance.clone()), ..Options::default() };
     let made = complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap();
     let list = find_holes(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
     check(&mesh.vertices, &mesh.faces, &made, &filled_rims(&made, &list)).unwrap();
-    let values = appearance.unwrap().complete((&mesh.faces[..]).into(), exemplar.as_deref(), &made);
+    let values = appearance.complete((&mesh.faces[..]).into(), exemplar.as_deref(), &made);
     (made, values)
 }
 

@@ -7,6 +7,7 @@ mod contract;
 mod holes;
 mod initial;
 mod meshes;
+mod points;
 mod provenance;
 mod random;
 mod sources;

@@ -157,9 +157,53 @@ void check_lifetime() {
   CHECK(same_bytes(copy.new_vertices(), before.data(), before.size(), 12));
 }
 
+// Points of the unit sphere on a spiral, the cap at its top missing.
+template <class Scalar>
+void check_points() {
+  Points<Scalar> points, inward;
+  const int count = 2000;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2 * i + 1.0) / count, r = std::sqrt(1 - z * z), a = 2.39996322972865332 * i;
+    if (z > 0.92) continue;
+    points.push_back({Scalar(r * std::cos(a)), Scalar(r * std::sin(a)), Scalar(z)});
+    inward.push_back({-points.back()[0], -points.back()[1], -points.back()[2]});
+  }
+  mc::MeshView<Scalar> cloud;
+  cloud.vertices = points[0].data();
+  cloud.vertex_count = points.size();
+  complete_mesh_options opts;
+  complete_mesh_options_init(&opts, sizeof opts);
+  opts.vertex_type = sizeof(Scalar) == 8 ? COMPLETE_MESH_VERTEX_TYPE_F64 : COMPLETE_MESH_VERTEX_TYPE_F32;
+  complete_mesh_result* c = nullptr;
+  CHECK(complete_mesh_points(points[0].data(), points.size(), inward[0].data(), &opts, &c) ==
+        COMPLETE_MESH_STATUS_OK);
+  const auto result = mc::complete_points(cloud, inward[0].data());
+  const std::size_t n = points.size(), k = complete_mesh_result_new_vertex_count(c);
+  CHECK(k > 50 && k < 120 && result.vertices().size() == n + k && result.faces().size() == 0);
+  CHECK(std::memcmp(result.vertices().data(), points.data(), n * sizeof points[0]) == 0);
+  CHECK(same_bytes(result.new_vertices(), complete_mesh_result_new_vertices(c), k, sizeof points[0]));
+  CHECK(same_bytes(result.new_point_normals(), complete_mesh_result_new_vertex_normals(c), k, 24));
+  CHECK(same_bytes(result.new_point_source_points(),
+                   complete_mesh_result_new_vertex_source_points(c), k, 4));
+  for (std::size_t i = 0; i < k; ++i) {
+    const auto p = result.new_vertices()[i];
+    const auto m = result.new_point_normals()[i];
+    CHECK(std::abs(std::sqrt(double(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])) - 1) < 0.01);
+    CHECK(p[2] > 0.9 && m[0] * p[0] + m[1] * p[1] + m[2] * p[2] < -0.95);
+  }
+  complete_mesh_result_free(c);
+  const Ball<Scalar> ball = make_ball_of<Scalar>();
+  const auto mesh = mc::complete(mc::view(ball.vertices, ball.faces));
+  CHECK(mesh.new_point_normals().size() == 0 && mesh.new_point_source_points().size() == 0);
+  cloud.vertex_count = 2;
+  CHECK(mc::try_complete_points(cloud).failure().status == mc::Status::invalid_mesh);
+}
+
 }  // namespace
 
 void test_values() {
+  check_points<float>();
+  check_points<double>();
   CHECK(mc::version() == COMPLETE_MESH_VERSION);
   CHECK(mc::abi_version() == COMPLETE_MESH_ABI_VERSION);
   CHECK(std::string(mc::version_string()) == PACKAGE_VERSION);

@@ -6,6 +6,7 @@ mod hostile;
 mod obj;
 mod off;
 mod ply;
+mod points;
 mod stl;
 
 use complete_mesh::io::{Document, Format, IoError};

@@ -8,6 +8,7 @@
     for hole in result.holes:
         print(hole)                               # what became of it, and from where
 
+``complete_points`` does the same for point clouds, with new points instead of faces.
 ``list_holes`` finds the holes and fills nothing; ``Completer`` keeps a mesh for more than one
 fill. The work is done by the shared library of the project, which lies beside this file, is named
 by the environment variable COMPLETE_MESH_LIBRARY, or is installed on the system.
@@ -16,6 +17,7 @@ by the environment variable COMPLETE_MESH_LIBRARY, or is installed on the system
 from ._errors import Cancelled, CompleteMeshError, LibraryNotFound, Status
 from ._library import library_path, library_version
 from ._mesh import Completer, complete_mesh, list_holes
+from ._points import PointResult, complete_points
 from ._result import Hole, Holes, Result, Source
 
 __version__ = "0.1.0"
@@ -27,10 +29,12 @@ __all__ = [
     "Hole",
     "Holes",
     "LibraryNotFound",
+    "PointResult",
     "Result",
     "Source",
     "Status",
     "complete_mesh",
+    "complete_points",
     "library_path",
     "library_version",
     "list_holes",

@@ -119,6 +119,10 @@ _count = POINTER(c_size_t)
 # name without the prefix: (result, arguments). Arrays are plain addresses: _library copies them.
 FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "": (c_int32, _mesh),
+    "points": (
+        c_int32,
+        [c_void_p, c_size_t, c_void_p, POINTER(Options), POINTER(c_void_p)],
+    ),
     "find_holes": (c_int32, _mesh),
     "completer_new": (c_int32, _mesh),
     "completer_complete": (c_int32, [c_void_p, POINTER(Options), POINTER(c_void_p)]),
@@ -150,6 +154,8 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "result_new_vertex_barycentrics": (c_void_p, [c_void_p]),
     "result_new_vertex_sources": (c_void_p, [c_void_p]),
     "result_new_vertex_confidences": (c_void_p, [c_void_p]),
+    "result_new_vertex_source_points": (c_void_p, [c_void_p]),
+    "result_new_vertex_normals": (c_void_p, [c_void_p]),
     "result_new_vertex_values": (c_void_p, [c_void_p]),
     "result_new_face_holes": (c_void_p, [c_void_p]),
     "result_holes": (c_void_p, [c_void_p]),

@@ -17,6 +17,8 @@ struct Job<'a> {
     bytes: &'a [u8],
     mesh: &'a Mesh,
     completion: &'a Completion,
+    /// Of a cloud: source points instead of source faces.
+    source_points: Option<&'a [u32]>,
     patch: Patch<'a>,
     edits: Vec<Edit>,
 }
@@ -38,6 +40,7 @@ enum Origins {
     Completed,
     Hole,
     Face,
+    Point,
     U,
     V,
     Source,
@@ -54,7 +57,7 @@ struct Column {
     origin: Origins,
 }
 
-const PROVENANCE: [Column; 7] = {
+const PROVENANCE: [Column; 8] = {
     const fn column(
         name: &'static str,
         scalar: Scalar,
@@ -72,6 +75,7 @@ const PROVENANCE: [Column; 7] = {
         column("completed", Scalar::U8, 0.0, Origins::Completed),
         column("hole", Scalar::I32, -1.0, Origins::Hole),
         column("source_face", Scalar::I32, -1.0, Origins::Face),
+        column("source_point", Scalar::I32, -1.0, Origins::Point),
         column("source_u", Scalar::F32, 0.0, Origins::U),
         column("source_v", Scalar::F32, 0.0, Origins::V),
         column("source", Scalar::I32, -1.0, Origins::Source),
@@ -81,19 +85,30 @@ const PROVENANCE: [Column; 7] = {
 
 impl Origins {
     /// What a property is about. Names that files use for other things, too (a scanner's
-    /// confidence), count only if the file has `source_face` (`others`), too.
+    /// confidence), count only if the file has `source_face` or
+    /// `source_point` (`others`), too.
     fn of(name: &str, others: bool) -> Option<Self> {
         let column = PROVENANCE.iter().find(|c| c.name == name)?;
         let common = matches!(column.origin, Origins::Source | Origins::Confidence);
         (others || !common).then_some(column.origin)
     }
 
-    fn value(self, hole: u32, origin: &Origin) -> f64 {
+    /// Whether it says something of points, of meshes, or both.
+    fn fits(self, points: bool) -> bool {
+        match self {
+            Origins::Point => points,
+            Origins::Face | Origins::U | Origins::V => !points,
+            _ => true,
+        }
+    }
+
+    fn value(self, hole: u32, origin: &Origin, point: u32) -> f64 {
         let index = |i: u32| if i == NONE { -1.0 } else { f64::from(i) };
         match self {
             Origins::Completed => 1.0,
             Origins::Hole => hole.into(),
             Origins::Face => index(origin.face),
+            Origins::Point => index(point),
             Origins::U => origin.barycentric[1],
             Origins::V => origin.barycentric[2],
             Origins::Source => index(origin.source),
@@ -111,7 +126,8 @@ pub(in crate::io) fn append(
     extras: &Extras,
 ) -> Result<Vec<Edit>, IoError> {
     let completion = patch.completion();
-    let mut job = Job { layout, bytes, mesh, completion, patch, edits: Vec::new() };
+    let mut job =
+        Job { layout, bytes, mesh, completion, source_points: None, patch, edits: Vec::new() };
     job.append_vertices(extras)?;
     if !completion.faces.is_empty() {
         match (layout.header.find("face"), layout.header.find("tristrips")) {
@@ -120,6 +136,21 @@ pub(in crate::io) fn append(
             _ => return unsupported("the file has no element \"face\" to add faces to"),
         }
     }
+    Ok(job.edits)
+}
+
+/// The edits that append new points to a cloud's file.
+pub(in crate::io) fn append_points(
+    layout: &Layout,
+    bytes: &[u8],
+    mesh: &Mesh,
+    source_points: &[u32],
+    patch: Patch<'_>,
+    extras: &Extras,
+) -> Result<Vec<Edit>, IoError> {
+    let (completion, source_points) = (patch.completion(), Some(source_points));
+    let mut job = Job { layout, bytes, mesh, completion, source_points, patch, edits: Vec::new() };
+    job.append_vertices(extras)?;
     Ok(job.edits)
 }
 
@@ -159,8 +190,11 @@ impl Job<'_> {
         let mut properties = e.properties.clone();
         if extras.provenance {
             // Holes and sources are fewer than faces.
-            if i32::try_from(self.completion.input_face_count).is_err() {
-                return unsupported("the columns of provenance end at 2147483647 faces");
+            let count = self.completion.input_face_count.max(self.completion.input_vertex_count);
+            if self.source_points.is_some() && i32::try_from(count).is_err()
+                || i32::try_from(self.completion.input_face_count).is_err()
+            {
+                return unsupported("the columns of provenance end at 2147483647 elements");
             }
             let added = self.add_provenance(element)?;
             properties.extend(added);
@@ -189,7 +223,9 @@ impl Job<'_> {
                     Source::Normal(axis) => normals[i][axis],
                     Source::Carried(c) => values[i * carried.len() + c],
                     Source::Origin(what) => {
-                        what.value(self.completion.vertex_hole[i], &self.completion.origins[i])
+                        let point = self.source_points.map_or(NONE, |all| all[i]);
+                        let hole = self.completion.vertex_hole[i];
+                        what.value(hole, &self.completion.origins[i], point)
                     }
                     Source::EmptyList(_) => 0.0,
                 };
@@ -204,7 +240,9 @@ impl Job<'_> {
     /// Adds the columns of provenance, where they are missing, to every row.
     fn add_provenance(&mut self, element: usize) -> Result<Vec<Property>, IoError> {
         let e = &self.layout.header.elements[element];
-        let added: Vec<&Column> = PROVENANCE.iter().filter(|c| e.find(c.name).is_none()).collect();
+        let fits = |c: &&Column| c.origin.fits(self.source_points.is_some());
+        let added: Vec<&Column> =
+            PROVENANCE.iter().filter(fits).filter(|c| e.find(c.name).is_none()).collect();
         if added.is_empty() {
             return Ok(Vec::new());
         }
@@ -414,7 +452,7 @@ struct ListEnd {
 /// Where each property of a new vertex comes from, and the columns to carry inward.
 fn plan(properties: &[Property]) -> (Vec<Source>, Vec<(usize, Carried)>) {
     let normals = normal_columns(properties);
-    let others = properties.iter().any(|p| p.name == "source_face");
+    let others = properties.iter().any(|p| p.name == "source_face" || p.name == "source_point");
     let mut carried = Vec::new();
     let mut source = |(i, p): (usize, &Property)| {
         let s = match p.kind {
@@ -450,7 +488,7 @@ fn colour_of(name: &str, scalar: Scalar) -> Option<(usize, f64)> {
 }
 
 /// The columns nx, ny and nz, if all three are there as floats.
-fn normal_columns(properties: &[Property]) -> Option<[usize; 3]> {
+pub(super) fn normal_columns(properties: &[Property]) -> Option<[usize; 3]> {
     let column = |name: &str| {
         properties
             .iter()

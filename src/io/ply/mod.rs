@@ -5,7 +5,7 @@ mod cursor;
 mod header;
 mod write;
 
-pub(super) use append::append;
+pub(super) use append::{append, append_points};
 pub(super) use write::{from_polygons, from_rows};
 
 use super::error::{Fault, Parsed, Place};
@@ -347,6 +347,31 @@ impl Layout {
             |_| (),
         ))?;
         Ok(values)
+    }
+
+    /// The columns nx, ny and nz, if all three are there as floats.
+    pub fn vertex_normals(&self, bytes: &[u8]) -> Option<Vec<[f64; 3]>> {
+        let element = self.header.find("vertex")?;
+        let e = &self.header.elements[element];
+        let columns = append::normal_columns(&e.properties)?;
+        let mut normals = Vec::with_capacity(e.count);
+        let (mut normal, last) = ([0.0; 3], e.properties.len() - 1);
+        let visited = with_cursor!(*self, bytes, element, |c| each_row(
+            c,
+            e,
+            |c, _, i, kind| {
+                match (columns.iter().position(|&k| k == i), kind) {
+                    (Some(axis), Kind::Scalar(s)) => normal[axis] = c.real(s)?,
+                    _ => skip_value(c, kind)?,
+                }
+                if i == last {
+                    normals.push(normal);
+                }
+                Ok(())
+            },
+            |_| (),
+        ));
+        visited.is_ok().then_some(normals)
     }
 
     /// Red, green, blue and alpha of every vertex, from 0 to 255, if the file has colours.

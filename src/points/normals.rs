@@ -1,0 +1,198 @@
+//! Hoppe, DeRose, Duchamp, McDonald and Stuetzle (1992), "Surface reconstruction from unorganized
+//! points": normals from the neighbours' covariance, oriented along a minimum spanning tree.
+//!
+//! Differences from the paper:
+//! - Edges of the tree also cost what they leave the tangent planes: the two sides of a thin wall
+//!   are near each other, but not along the surface.
+//! - Which side is out is voted on by the six extreme points of a component, not by one: there may
+//!   be a hole at the top. Normals that the caller has settle it instead.
+
+use super::neighbours::{blocks, Neighbours};
+use crate::error::Result;
+use crate::progress::Monitor;
+use glam::DVec3;
+use nalgebra::{Matrix3, SymmetricEigen};
+
+/// Neighbours that a normal is made from: two rings of an even cloud less the far ones.
+const PLANE: usize = 14;
+/// Neighbours that a point passes its side on to.
+const LINKS: usize = 8;
+
+/// The principal axes of some offsets from a point.
+pub struct Axes {
+    /// Unit vector along which the offsets are least spread.
+    pub normal: DVec3,
+    /// The spreads, the greatest first.
+    pub spreads: [f64; 3],
+}
+
+/// Principal axes of weighted points.
+pub fn principal_axes(points: impl Iterator<Item = (DVec3, f64)> + Clone) -> Axes {
+    let (sum, weight) =
+        points.clone().fold((DVec3::ZERO, 0.0), |(s, w), (p, v)| (s + v * p, w + v));
+    let mean = sum / weight.max(f64::MIN_POSITIVE);
+    let mut m = Matrix3::<f64>::zeros();
+    for (p, w) in points {
+        let d = (p - mean).to_array();
+        for i in 0..3 {
+            for j in 0..3 {
+                m[(i, j)] += w * d[i] * d[j];
+            }
+        }
+    }
+    let eigen = SymmetricEigen::new(m);
+    let mut order = [0, 1, 2];
+    let spread = |i: usize| -> f64 { eigen.eigenvalues[i].max(0.0) };
+    order.sort_by(|&a, &b| spread(b).total_cmp(&spread(a)));
+    let v = eigen.eigenvectors.column(order[2]);
+    Axes { normal: DVec3::new(v[0], v[1], v[2]).normalize_or_zero(), spreads: order.map(spread) }
+}
+
+/// Unit normals on the same side of the surface all over each component. `given`: those that the
+/// caller has, zero where he has none.
+pub fn normals(
+    points: &[DVec3],
+    neighbours: &Neighbours,
+    given: Option<&[DVec3]>,
+    threads: usize,
+    monitor: &Monitor,
+) -> Result<Vec<DVec3>> {
+    let mut normals = blocks(points.len(), threads, monitor, &|i| {
+        let near = neighbours.of(i).iter().take(PLANE).map(|&q| points[q as usize]);
+        principal_axes(near.chain([points[i]]).map(|p| (p - points[i], 1.0))).normal
+    })?;
+    orient(points, &mut normals, neighbours, given);
+    Ok(normals)
+}
+
+fn orient(
+    points: &[DVec3],
+    normals: &mut [DVec3],
+    neighbours: &Neighbours,
+    given: Option<&[DVec3]>,
+) {
+    let tree = spanning_tree(points, normals, neighbours);
+    let mut seen = vec![false; points.len()];
+    let mut component: Vec<u32> = Vec::new();
+    for start in 0..points.len() {
+        if seen[start] {
+            continue;
+        }
+        component.clear();
+        component.push(start as u32);
+        seen[start] = true;
+        let mut at = 0;
+        while at < component.len() {
+            let from = component[at] as usize;
+            at += 1;
+            for &to in tree.of(from) {
+                let to = to as usize;
+                if !seen[to] {
+                    seen[to] = true;
+                    if normals[to].dot(normals[from]) < 0.0 {
+                        normals[to] = -normals[to];
+                    }
+                    component.push(to as u32);
+                }
+            }
+        }
+        let vote = match given {
+            Some(g) => component.iter().map(|&i| g[i as usize].dot(normals[i as usize])).sum(),
+            None => outward_vote(points, normals, &component),
+        };
+        if vote < 0.0 {
+            component.iter().for_each(|&i| normals[i as usize] = -normals[i as usize]);
+        }
+    }
+}
+
+/// Positive if the normals of the points that lie farthest out look out.
+fn outward_vote(points: &[DVec3], normals: &[DVec3], component: &[u32]) -> f64 {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let vote = |axis: DVec3| {
+        let far = component.iter().max_by(|&&a, &&b| {
+            points[a as usize].dot(axis).total_cmp(&points[b as usize].dot(axis)).then(b.cmp(&a))
+        });
+        far.map_or(0.0, |&i| normals[i as usize].dot(axis))
+    };
+    axes.iter().map(|&a| vote(a) + vote(-a)).sum()
+}
+
+/// Neighbours in the tree.
+struct Tree {
+    starts: Vec<u32>,
+    ids: Vec<u32>,
+}
+
+impl Tree {
+    fn of(&self, i: usize) -> &[u32] {
+        &self.ids[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+
+    fn new(count: usize, edges: &[[u32; 2]]) -> Self {
+        let mut starts = vec![0u32; count + 1];
+        edges.iter().flatten().for_each(|&v| starts[v as usize + 1] += 1);
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        let mut free = starts.clone();
+        let mut ids = vec![0; 2 * edges.len()];
+        for &[a, b] in edges {
+            for (from, to) in [(a, b), (b, a)] {
+                ids[free[from as usize] as usize] = to;
+                free[from as usize] += 1;
+            }
+        }
+        Self { starts, ids }
+    }
+}
+
+/// Kruskal's tree over the edges between neighbours, those between like normals first.
+fn spanning_tree(points: &[DVec3], normals: &[DVec3], neighbours: &Neighbours) -> Tree {
+    let linked = |i: usize| neighbours.of(i).iter().take(LINKS);
+    let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(points.len() * 5);
+    for i in 0..points.len() {
+        for &j in linked(i) {
+            if (j as usize) < i && linked(j as usize).any(|&k| k as usize == i) {
+                continue;
+            }
+            let (n, m) = (normals[i], normals[j as usize]);
+            let along = (points[j as usize] - points[i]).normalize_or_zero();
+            let cost = 1.0 - n.dot(m).abs() + n.dot(along).abs() + m.dot(along).abs();
+            // A float that is not negative sorts like its bits.
+            edges.push(((cost.max(0.0) as f32).to_bits(), i as u32, j));
+        }
+    }
+    edges.sort_unstable();
+    let mut roots = Roots::new(points.len());
+    let kept = edges.iter().filter(|&&(_, a, b)| roots.join(a, b)).map(|&(_, a, b)| [a, b]);
+    let kept: Vec<[u32; 2]> = kept.collect();
+    Tree::new(points.len(), &kept)
+}
+
+/// Sets that are merged (union by the smaller index, paths halved).
+pub struct Roots(Vec<u32>);
+
+impl Roots {
+    /// Each index in a set of its own.
+    pub fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    /// The smallest index of the set.
+    pub fn root(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            let above = self.0[self.0[i as usize] as usize];
+            self.0[i as usize] = above;
+            i = above;
+        }
+        i
+    }
+
+    /// Merges two sets; false if they are one already.
+    pub fn join(&mut self, a: u32, b: u32) -> bool {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b) as usize] = a.min(b);
+        a != b
+    }
+}
