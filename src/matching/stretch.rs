@@ -2,7 +2,7 @@
 //! a rigidly aligned source stretched and sheared a little, since no two eyes are quite alike.
 //!
 //! Differences from the paper: point-to-plane distances, and a prior instead of a choice between
-//! rigid and affine: strains are normal with deviation [`STRAIN`], gaps with that of the pairs, so
+//! rigid and affine: strains are normal with deviation STRAIN, gaps with that of the pairs, so
 //! that a ring which fits says more than one that does not.
 
 use super::icp::{find_partner, Hint, Partner, RingPoint, AGREE, STILL};

@@ -56,6 +56,7 @@ pub struct Copied {
     pub origins: Vec<Origin>,
 }
 
+#[cfg(feature = "io")]
 impl PointCompletion {
     /// The completion as one of the mesh through the points.
     pub(crate) fn on_mesh(&self) -> Completion {

@@ -12,7 +12,7 @@
 //! Differences from the paper:
 //! - Copied values are interpolated on the source's faces, not taken from the nearest point.
 //! - A fill may have several copies. Across their borders g is the mean of what both copies say.
-//! - The trust α, [`trust`]: 1 where a copy has on the ring what is known there, down to 0, a harmonic
+//! - The trust α (`trust`): 1 where a copy has on the ring what is known there, down to 0, a harmonic
 //!   fill, where it has not. The paper copies whatever was found.
 //! - The screen ε: values whose mean is wrong at the rim fade into the copied ones instead of flooding
 //!   the fill.
