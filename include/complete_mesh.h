@@ -383,7 +383,8 @@ typedef struct complete_mesh_source {
   // 1: the transform mirrors. Else 0.
   uint32_t mirrored;
   // From the place to the hole: a matrix of three rows and four columns, row by row. The first
-  // three columns are a rotation, or a rotation and a reflection; the last is the translation.
+  // three columns are a rotation, or a rotation and a reflection, in some with a stretch of a few
+  // per cent; the last is the translation.
   double transform[12];
   // Root mean square error at known vertices near the rim that were hidden from the fit.
   double error;

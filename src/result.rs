@@ -45,7 +45,8 @@ pub fn confidence_word(confidence: f64) -> &'static str {
 /// A place on the object that a fill was continued from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SourceReport {
-    /// From the place to the hole: a rotation, or a reflection, and a translation.
+    /// From the place to the hole: a rotation, or a reflection, a translation, and in some a stretch of a
+    /// few per cent.
     pub transform: Rigid,
     /// Root mean square error at known vertices near the rim that were hidden from the fit, in mesh
     /// units.

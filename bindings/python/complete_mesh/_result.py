@@ -23,7 +23,8 @@ class Source:
 
     transform: NDArray[np.float64]
     """(3, 4): takes the place to the hole, ``transform[:, :3] @ point + transform[:, 3]``; a
-    rotation, or a rotation and a reflection, and a translation."""
+    rotation, or a rotation and a reflection, in some with a stretch of a few per cent, and a
+    translation."""
     mirrored: bool
     """The transform mirrors."""
     error: float
