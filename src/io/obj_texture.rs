@@ -62,18 +62,31 @@ impl<'a> Places<'a> {
         place.filter(|p| (p.0 as usize) < self.triangles)
     }
 
-    /// The sources of a vertex: its own, then those beside it.
-    fn sources(&self, v: u32, hole: u32) -> impl Iterator<Item = u32> + '_ {
-        let own = self.new_vertex(v).map(|i| self.completion.origins[i].source);
-        let beside = self.beside.range([v, hole, 0]..=[v, hole, NONE]).map(|(key, _)| key[2]);
-        own.into_iter().filter(|&s| s != NONE).chain(beside)
+    /// The source of a new vertex.
+    fn own(&self, v: u32) -> Option<u32> {
+        let source = self.completion.origins[self.new_vertex(v)?].source;
+        (source != NONE).then_some(source)
+    }
+
+    /// The sources beside a vertex.
+    fn beside(&self, v: u32, hole: u32) -> impl Iterator<Item = u32> + '_ {
+        self.beside.range([v, hole, 0]..=[v, hole, NONE]).map(|(key, _)| key[2])
+    }
+
+    /// The corners' own source that has a place for all of them, else the first; where they have none,
+    /// all at the rim, the same of those beside them.
+    fn source(&self, face: [u32; 3], hole: u32) -> Option<u32> {
+        let mut sources: Vec<u32> = face.iter().filter_map(|&v| self.own(v)).collect();
+        if sources.is_empty() {
+            sources = face.iter().flat_map(|&v| self.beside(v, hole)).collect();
+        }
+        let serves_all = |s: &u32| face.iter().all(|&v| self.at(v, hole, *s).is_some());
+        sources.iter().copied().find(serves_all).or(sources.first().copied())
     }
 
     fn of_face(&self, face: [u32; 3], hole: u32) -> Option<OnSource> {
         let report = self.completion.holes.iter().find(|h| h.hole as u32 == hole)?;
-        let all = || face.iter().flat_map(|&v| self.sources(v, hole));
-        let whole = all().find(|&s| face.iter().all(|&v| self.at(v, hole, s).is_some()));
-        let source = whole.or_else(|| all().next())?;
+        let source = self.source(face, hole)?;
         let back = report.sources.get(source as usize)?.transform.inverse();
         let corners = face.map(|v| {
             self.at(v, hole, source).ok_or_else(|| {
