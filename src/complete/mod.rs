@@ -252,7 +252,8 @@ impl<'a> Completer<'a> {
             let library = self.library(options, &|part| late(making * part))?;
             let late = |part: f64| late(making + (1.0 - making) * part);
             // Sources are looked for from the same fill whatever the options: what was found is kept.
-            let standard = match around.initial.is_some() || around.is_standard() {
+            let own = around.initial.is_some() || around.is_standard();
+            let standard = match own || !around.is_near_standard(fill.outline.mean_size()) {
                 true => None,
                 false => fill_hole(&around.standard(), &loops, obstacles, &|_| late(0.0))?.ok(),
             };

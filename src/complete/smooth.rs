@@ -75,11 +75,26 @@ impl Surroundings<'_> {
         (self.fairing, self.sizing) == (Fairing::Auto, Sizing::Surroundings)
     }
 
+    /// Whether the standard fill has not many more vertices than this one, with edges of a mean length
+    /// at its rim: it may have millions where a coarse fill was asked for.
+    pub fn is_near_standard(&self, edge: f64) -> bool {
+        match self.sizing {
+            Sizing::Surroundings => true,
+            Sizing::Scaled(factor) => factor <= COARSEST,
+            Sizing::EdgeLength(length) => length <= COARSEST * edge,
+            Sizing::None => false,
+        }
+    }
+
     /// The same without options.
     pub fn standard(&self) -> Self {
         Self { initial: None, fairing: Fairing::Auto, sizing: Sizing::Surroundings, ..*self }
     }
 }
+
+/// Edges longer than standard by more than this factor are of a fill with less than a quarter of the
+/// vertices: making the standard one as well could cost more than it saves.
+const COARSEST: f64 = 2.0;
 
 /// A finished fill. New vertices lie where the caller's precision puts them.
 pub struct Fill {
