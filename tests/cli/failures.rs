@@ -38,18 +38,18 @@ fn file_errors_are_3_and_write_nothing() {
     place.write("in.ply", &open_octahedron());
     let text = open_octahedron();
     place.write("cut.ply", &text[..text.len() - 12]);
-    place.write("mesh.xyz", "0 0 0\n");
+    place.write("mesh.3ds", "0 0 0\n");
     let before = place.names();
     for (line, word) in [
         ("fill missing.ply -o out.ply", "missing.ply"),
         ("fill cut.ply -o out.ply", "cut.ply"),
-        ("fill mesh.xyz -o out.ply", "mesh.xyz"),
-        ("fill in.ply -o out.xyz", "out.xyz"),
+        ("fill mesh.3ds -o out.ply", "mesh.3ds"),
+        ("fill in.ply -o out.3ds", "out.3ds"),
         ("fill in.ply -o no/such/folder/out.ply", "no/such/folder/out.ply"),
         ("fill in.ply -o out.ply --report no/such/folder/r.json", "r.json"),
         ("fill in.ply -o out.ply --picture no/such/folder/p.png", "p.png"),
         ("holes missing.ply", "missing.ply"),
-        ("sample sphere --resolution 24 -o out.xyz", "out.xyz"),
+        ("sample sphere --resolution 24 -o out.3ds", "out.3ds"),
         ("demo --out-dir in.ply", "in.ply"),
     ] {
         let (_, stderr) = place.expect(3, line);
@@ -72,7 +72,8 @@ fn invalid_meshes_and_options_are_4_and_write_nothing() {
     let before = place.names();
     for (line, word) in [
         ("fill nan.ply -o out.ply", "vertex 1"),
-        ("fill empty.ply -o out.ply", "no faces"),
+        // Without faces it is a cloud.
+        ("fill empty.ply -o out.ply", "6 points lie on no surface"),
         ("fill in.ply -o out.ply --method warp --report r.json", "warp"),
         ("fill in.ply -o out.ply --method fragment", "fragment"),
         ("fill in.ply -o out.ply --holes 7", "hole 7"),

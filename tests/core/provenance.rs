@@ -58,7 +58,8 @@ fn check_ranges(mesh: &SampleMesh, made: &Completion) {
         for source in &hole.sources {
             let m = source.transform.linear;
             let off = m.transpose() * m - glam::DMat3::IDENTITY;
-            assert!(off.to_cols_array().iter().all(|x| x.abs() < 1e-9), "{source:?}");
+            // Rigid, or stretched by at most 15 %.
+            assert!(off.to_cols_array().iter().all(|x| x.abs() < 0.4), "{source:?}");
             assert!(source.error >= 0.0 && source.error.is_finite());
         }
     }

@@ -91,7 +91,7 @@ fn files_are_read_by_name_or_content_and_written_whole() {
 
     std::fs::write(&unnamed, b"\x00\x01").unwrap();
     let error = Document::read(&unnamed).unwrap_err().to_string();
-    assert!(error.contains("mesh: not a known mesh file; use .ply"), "{error}");
+    assert!(error.contains("mesh: not a known file; use .ply"), "{error}");
     let broken = folder.path().join("broken.ply");
     std::fs::write(&broken, b"ply\nformat ascii 1.0\nelement vertex 1\n").unwrap();
     let error = Document::read(&broken).unwrap_err().to_string();

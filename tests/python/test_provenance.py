@@ -53,12 +53,16 @@ def test_sources_can_be_replayed(broken, result):
     assert np.median(np.linalg.norm(places - result.new_vertices[has], axis=1)) > 0.2 * diameter
 
 
-def test_transforms_are_rigid(result):
+def test_transforms_are_rigid_or_stretch_a_little(result):
+    rigid = []
     for hole in result.holes:
         for source in hole.sources:
             turn = source.transform[:, :3]
-            assert np.allclose(turn @ turn.T, np.eye(3), atol=1e-9)
-            assert np.isclose(np.linalg.det(turn), -1 if source.mirrored else 1)
+            strains = np.linalg.svd(turn, compute_uv=False) - 1
+            assert np.abs(strains).max() < 0.2
+            assert (np.linalg.det(turn) < 0) == source.mirrored
+            rigid.append(np.abs(strains).max() < 1e-9)
+    assert np.mean(rigid) > 0.5
     assert {s.mirrored for hole in result.holes for s in hole.sources} == {True, False}
 
 
@@ -67,6 +71,10 @@ def test_confidences_are_those_of_sources(result):
     assert (confidence >= 0).all() and (confidence <= 1).all()
     assert confidence[result.new_vertex_sources >= 0].min() > 0.5
     assert all(0.5 < hole.confidence <= 1 for hole in result.holes)
+    # Those of a hole have its mean, so that they cannot be in another order.
+    for hole in result.holes:
+        assert np.isclose(confidence[result.new_vertex_holes == hole.id].mean(), hole.confidence)
+    assert len({hole.confidence for hole in result.holes}) == len(result.holes)
 
 
 def test_smooth_fill_comes_from_nowhere(broken):
