@@ -71,10 +71,21 @@ def test_confidences_are_those_of_sources(result):
     assert (confidence >= 0).all() and (confidence <= 1).all()
     assert confidence[result.new_vertex_sources >= 0].min() > 0.5
     assert all(0.5 < hole.confidence <= 1 for hole in result.holes)
-    # Those of a hole have its mean, so that they cannot be in another order.
-    for hole in result.holes:
-        assert np.isclose(confidence[result.new_vertex_holes == hole.id].mean(), hole.confidence)
-    assert len({hole.confidence for hole in result.holes}) == len(result.holes)
+
+
+def test_confidences_are_those_of_the_own_hole(broken, result):
+    vertices, faces = broken
+    # Rough at the second hole, so that the two are not equally sure.
+    first, second = (vertices[hole.loops[0]].mean(axis=0) for hole in result.holes)
+    along = np.clip((vertices - first) @ (second - first) / ((second - first) @ (second - first)), 0, 1)
+    edge = np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1).mean()
+    noise = np.random.default_rng(1).normal(size=vertices.shape) * along[:, None] * 0.1 * edge
+    made = complete_mesh(vertices + noise, faces)
+    confidence = made.new_vertex_confidences
+    one, other = (hole.confidence for hole in made.holes)
+    assert abs(one - other) > 0.01
+    for hole in made.holes:
+        assert np.isclose(confidence[made.new_vertex_holes == hole.id].mean(), hole.confidence)
 
 
 def test_smooth_fill_comes_from_nowhere(broken):
