@@ -5,40 +5,16 @@
 //! them. With arguments, SAMPLE BREAK RESOLUTION SIZE, it prints the row of one mesh. One thread; CPU
 //! time, so that a busy machine changes little.
 
+mod peak;
+
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
 use complete_mesh::{Completer, Completion, Fairing, Method, Monitor, Options, Selection, Sizing};
 use cpu_time::ProcessTime;
-use std::alloc::{GlobalAlloc, Layout, System};
+use peak::{LIVE, PEAK};
 use std::error::Error;
-use std::sync::atomic::{AtomicIsize, Ordering::Relaxed};
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
-
-/// Bytes allocated now, and the most there were.
-static LIVE: AtomicIsize = AtomicIsize::new(0);
-static PEAK: AtomicIsize = AtomicIsize::new(0);
-
-struct Counting;
-
-fn count(by: isize) {
-    let now = LIVE.fetch_add(by, Relaxed) + by;
-    PEAK.fetch_max(now, Relaxed);
-}
-
-// SAFETY: the system's allocator does all the work; this only counts.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size() as isize);
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        count(-(layout.size() as isize));
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 type Case = (Sample, Break, usize, f64);
 

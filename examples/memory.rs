@@ -4,45 +4,13 @@
 //! `cargo run --release --example memory -- MESH ...` prints a table in Markdown;
 //! `docs/speed.md` has one. The files are read before counting starts.
 
+mod peak;
+
 use complete_mesh::io::Document;
 use complete_mesh::{complete_mesh_with, MeshView, Method, Monitor, Options};
-use std::alloc::{GlobalAlloc, Layout, System};
+use peak::{LIVE, PEAK};
 use std::path::Path;
 use std::sync::atomic::{AtomicIsize, Ordering::Relaxed};
-
-/// Bytes allocated now, and the most there were.
-static LIVE: AtomicIsize = AtomicIsize::new(0);
-static PEAK: AtomicIsize = AtomicIsize::new(0);
-
-struct Counting;
-
-fn count(by: isize) {
-    let now = LIVE.fetch_add(by, Relaxed) + by;
-    PEAK.fetch_max(now, Relaxed);
-}
-
-// SAFETY: the system's allocator does all the work; this only counts.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size() as isize);
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count(layout.size() as isize);
-        unsafe { System.alloc_zeroed(layout) }
-    }
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        count(-(layout.size() as isize));
-        unsafe { System.dealloc(at, layout) }
-    }
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count(size as isize - layout.size() as isize);
-        unsafe { System.realloc(at, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("| mesh | vertices | new vertices | arrays KiB | peak KiB | peak / arrays | bytes a new vertex |");

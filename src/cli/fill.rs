@@ -54,9 +54,22 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     }
     let output = describe(&args.output, &document);
     let report = Report::new(input, output, &options, &holes, &completion);
+    write(args, outputs, &report, &document, console)?;
+    tell(&report, &completion, console);
+    Ok(())
+}
+
+/// Writes the report and the completed document, and with them what is staged already.
+pub(super) fn write(
+    args: &FillArgs,
+    mut outputs: Outputs,
+    report: &Report,
+    document: &Document,
+    console: &Console,
+) -> Result<(), Failure> {
     if let Some(path) = &args.report {
         outputs.stage(path, |w| {
-            serde_json::to_writer_pretty(&mut *w, &report)?;
+            serde_json::to_writer_pretty(&mut *w, report)?;
             w.write_all(b"\n")
         })?;
     }
@@ -65,7 +78,6 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     check_interrupt()?;
     outputs.commit()?;
     console.clear();
-    tell(&report, &completion, console);
     Ok(())
 }
 
@@ -170,7 +182,7 @@ pub(super) fn draw(
     }
 }
 
-fn describe(path: &Path, document: &Document) -> File {
+pub(super) fn describe(path: &Path, document: &Document) -> File {
     File {
         path: path.display().to_string(),
         format: document.format().to_string(),

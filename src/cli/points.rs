@@ -3,6 +3,7 @@
 use super::args::{FillArgs, HolesArgs};
 use super::console::{short, Console};
 use super::failure::Failure;
+use super::fill::{describe, tell, tell_warnings, write};
 use super::output::Outputs;
 use super::report::{point_warnings, File, Measured, Report, Warning};
 use super::{check_interrupt, interrupt};
@@ -66,7 +67,7 @@ pub(super) fn holes(
         console.event("hole", &Hole { measured, border, missing_points, boundary_probability });
     }
     let warnings = point_warnings(&found);
-    super::fill::tell_warnings(&warnings, console);
+    tell_warnings(&warnings, console);
     let summary = Summary {
         path: args.input.display().to_string(),
         points: points.len(),
@@ -120,26 +121,10 @@ pub(super) fn fill(
     let made = complete(&document, options, console)?;
     let extras = Extras { provenance: args.provenance };
     document.append_points_with(&made, &extras, exemplar)?;
-    let output = File {
-        path: args.output.display().to_string(),
-        format: document.format().to_string(),
-        vertices: document.vertices().len(),
-        faces: 0,
-    };
+    let output = describe(&args.output, &document);
     let report = Report::of_points(input, output, options, &made);
-    let mut outputs = Outputs::default();
-    if let Some(path) = &args.report {
-        outputs.stage(path, |w| {
-            serde_json::to_writer_pretty(&mut *w, &report)?;
-            w.write_all(b"\n")
-        })?;
-    }
-    console.step("write");
-    outputs.stage(&args.output, |w| w.write_all(document.as_bytes()))?;
-    check_interrupt()?;
-    outputs.commit()?;
-    console.clear();
-    super::fill::tell(&report, &made.completion, console);
+    write(args, Outputs::default(), &report, &document, console)?;
+    tell(&report, &made.completion, console);
     Ok(())
 }
 

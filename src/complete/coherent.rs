@@ -9,20 +9,15 @@
 //! - Low frequencies come from a consensus of the sources, detail from one source at each vertex:
 //!   averages of positions (Eq. 5 and 6) lose the detail.
 
+use super::library::Library;
 use super::smooth::{Fill, Story, Surroundings};
 use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::fill::refine::refine;
-use crate::matching::cloud::Cloud;
-use crate::matching::height_map::Candidate;
 use crate::matching::icp::RingPoint;
-use crate::matching::paint::Paint;
-use crate::matching::search::{
-    cloud_at, cloud_scale, find_candidates, radius_at, realign, scale_of, Maps, Target,
-};
+use crate::matching::search::{realign, Target};
 use crate::matching::source::Source;
-use crate::mesh::MeshView;
-use crate::options::{Appearance, Sizing, Sources};
+use crate::options::Sizing;
 use crate::progress::Pace;
 use crate::result::{Origin, Seam, SourceReport};
 use crate::synthesis::domain::{Domain, Extent};
@@ -31,10 +26,7 @@ use crate::synthesis::project::Place;
 use crate::synthesis::resemblance::coherence_error;
 use crate::synthesis::view::{look, View};
 use crate::synthesis::window::{one_window, plan_windows, Window};
-use glam::DVec3;
-use std::collections::BTreeMap;
 use std::slice::from_ref;
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// Fewer new vertices than this have no room for detail.
 const LEAST: usize = 6;
@@ -42,136 +34,6 @@ const LEAST: usize = 6;
 const FINER: f64 = 0.5;
 /// Rounds of refinement between the two looks.
 const AGAIN: usize = 2;
-
-/// What is made once a mesh and kept: what is known, what may be copied from, and its maps by scale.
-pub struct Library {
-    known: Source,
-    /// What may be copied from, where that is not all that is known.
-    chosen: Option<Source>,
-    mirrored: bool,
-    maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
-    /// Of what is known, and of what was chosen.
-    clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
-    /// What was searched for, and found: a hole that looks the same again is not searched again.
-    found: Mutex<Vec<(Vec<Sought>, Found)>>,
-}
-
-/// The candidates of each of some windows.
-type Found = Arc<Vec<Vec<Candidate>>>;
-
-/// Searches kept; a hole's takes some hundred kilobytes.
-const KEPT: usize = 256;
-
-/// All that the candidates of a window depend on, but the library.
-#[derive(PartialEq)]
-struct Sought {
-    centre: DVec3,
-    normal: DVec3,
-    radius: f64,
-    fill: Vec<DVec3>,
-    ring: Vec<RingPoint>,
-}
-
-impl Sought {
-    fn of(target: &Target<'_>) -> Self {
-        let Target { centre, normal, radius, .. } = *target;
-        Self { centre, normal, radius, fill: target.fill.into(), ring: target.ring.into() }
-    }
-
-    fn is(&self, target: &Target<'_>) -> bool {
-        let Target { centre, normal, radius, fill, ring } = *target;
-        let place = (self.centre, self.normal, self.radius) == (centre, normal, radius);
-        place && self.fill == fill && self.ring == ring
-    }
-}
-
-impl Library {
-    /// Of a mesh with these boundary vertices; maps are made when a hole first asks for them.
-    pub fn new(
-        mesh: MeshView<'_>,
-        boundary: &[u32],
-        sources: &Sources,
-        appearance: Option<&Appearance>,
-        check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<Self> {
-        let rims = || boundary.iter().copied();
-        let of_part = sources.faces.is_some() || sources.exemplar.is_some();
-        let paint = appearance.and_then(Paint::new);
-        let chosen = of_part.then(|| Source::chosen(mesh, rims(), sources, check)).transpose()?;
-        Ok(Self {
-            known: Source::new(mesh, rims(), check)?.painted(&paint),
-            chosen: chosen.map(|s| s.painted(&paint)),
-            mirrored: !sources.unmirrored,
-            maps: Mutex::default(),
-            clouds: Default::default(),
-            found: Mutex::default(),
-        })
-    }
-
-    /// What may be copied from.
-    fn source(&self) -> &Source {
-        self.chosen.as_ref().unwrap_or(&self.known)
-    }
-
-    fn maps(&self, radius: f64, check: &dyn Fn() -> Result<()>) -> Result<Arc<Maps>> {
-        let edge = self.known.edge;
-        let scale = scale_of(edge, radius);
-        let radius = radius_at(edge, scale);
-        let cloud = |source: &Source, kept: usize| {
-            let key = cloud_scale(source, radius);
-            once(&self.clouds[kept], key, || cloud_at(source, key, check))
-        };
-        let known = cloud(&self.known, 0)?;
-        let chosen = self.chosen.as_ref().map(|s| cloud(s, 1)).transpose()?;
-        let of_source = chosen.unwrap_or_else(|| known.clone());
-        let make = || Maps::new(self.source(), radius, of_source, known, self.mirrored, check);
-        once(&self.maps, scale, make)
-    }
-}
-
-impl Library {
-    /// The candidates for some windows, which share one radius.
-    fn candidates(
-        &self,
-        targets: &[Target<'_>],
-        threads: usize,
-        check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<Found> {
-        let Some(first) = targets.first() else { return Ok(Found::default()) };
-        let lock = || self.found.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |kept: &&(Vec<Sought>, Found)| {
-            kept.0.len() == targets.len() && kept.0.iter().zip(targets).all(|(s, t)| s.is(t))
-        };
-        if let Some((_, found)) = lock().iter().find(same) {
-            return Ok(found.clone());
-        }
-        let maps = self.maps(first.radius, &|| check(0.0))?;
-        check(0.1)?;
-        let late = |part: f64| check(0.1 + 0.9 * part);
-        let made = find_candidates(&self.known, self.source(), &maps, targets, threads, &late)?;
-        let made = Arc::new(made);
-        let mut kept = lock();
-        if kept.len() < KEPT {
-            kept.push((targets.iter().map(Sought::of).collect(), made.clone()));
-        }
-        Ok(made)
-    }
-}
-
-/// What is kept under a key, made if it is not there: who comes later waits for the first.
-fn once<T>(
-    kept: &Mutex<BTreeMap<i32, Arc<T>>>,
-    key: i32,
-    make: impl FnOnce() -> Result<T>,
-) -> Result<Arc<T>> {
-    let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(found) = kept.get(&key) {
-        return Ok(found.clone());
-    }
-    let made = Arc::new(make()?);
-    kept.insert(key, made.clone());
-    Ok(made)
-}
 
 /// Where sources are looked for.
 pub struct Search<'a> {

@@ -12,6 +12,7 @@
 //!   between lines are bridged, for nothing here follows a line from end to end.
 
 use super::curvature::Curvature;
+use crate::mesh::roots::Roots;
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -67,7 +68,8 @@ fn lines_of(
     let mut crossings: Vec<Crossing> = Vec::new();
     // (segment, crossing at its first end, its strength)
     let mut pieces: Vec<(Segment, u32, f64)> = Vec::new();
-    let mut joined = Joined::default();
+    // Crossings of one line.
+    let mut joined = Roots::default();
     for (f, face) in faces.iter().enumerate() {
         if !face.iter().all(|&v| bends_most(kind, &curvature[v as usize])) {
             continue;
@@ -143,33 +145,6 @@ fn cross_edge(
     }
     let share = e.abs() / (e.abs() + f.abs());
     Some(Crossing { point: p.lerp(q, share), curvature: k + share * (l - k) })
-}
-
-/// Which crossings one line joins: a forest with path halving.
-#[derive(Default)]
-struct Joined {
-    parent: Vec<u32>,
-}
-
-impl Joined {
-    fn add(&mut self) -> u32 {
-        self.parent.push(self.parent.len() as u32);
-        self.parent.len() as u32 - 1
-    }
-
-    fn root(&mut self, mut i: u32) -> u32 {
-        while self.parent[i as usize] != i {
-            let up = self.parent[self.parent[i as usize] as usize];
-            self.parent[i as usize] = up;
-            i = up;
-        }
-        i
-    }
-
-    fn join(&mut self, i: u32, j: u32) {
-        let (i, j) = (self.root(i), self.root(j));
-        self.parent[i.max(j) as usize] = i.min(j);
-    }
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@
 use super::dense::{symmetric_eigen, Cholesky};
 use super::laplacian::{cotangent_stiffness, lift_masses, Stiffness};
 use crate::error::{Error, Result};
+use crate::mesh::roots::Roots;
 use crate::progress::Monitor;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
@@ -115,25 +116,17 @@ struct Kernel {
 impl Kernel {
     fn new(l: &Stiffness, mass: &[f64]) -> Self {
         let n = mass.len();
-        let mut root: Vec<u32> = (0..n as u32).collect();
-        fn find(root: &mut [u32], mut v: u32) -> u32 {
-            while root[v as usize] != v {
-                root[v as usize] = root[root[v as usize] as usize];
-                v = root[v as usize];
-            }
-            v
-        }
+        let mut roots = Roots::new(n);
         for u in 0..n {
             for &v in &l.rows[l.start[u]..l.start[u + 1]] {
-                let (a, b) = (find(&mut root, u as u32), find(&mut root, v as u32));
-                root[a.max(b) as usize] = a.min(b);
+                roots.join(u as u32, v as u32);
             }
         }
         let mut component = vec![0u32; n];
         let mut of_component: Vec<f64> = Vec::new();
         for v in 0..n {
             // A root is the smallest of its component and so comes first.
-            let r = find(&mut root, v as u32) as usize;
+            let r = roots.root(v as u32) as usize;
             if r == v {
                 component[v] = of_component.len() as u32;
                 of_component.push(0.0);

@@ -6,6 +6,7 @@
 //! edges of other loops that look back.
 
 use super::loops::{position, Chain};
+use crate::mesh::roots::Roots;
 use crate::mesh::MeshView;
 use glam::DVec3;
 
@@ -58,7 +59,7 @@ pub fn group_loops(mesh: MeshView<'_>, chains: &[Chain]) -> Vec<usize> {
         (0..rings.len()).map(|a| who_is_seen(&rings, chains, a)).collect();
     let sees =
         |a: usize, b: usize| seen[a].iter().find(|(c, _)| *c == b).map_or(0.0, |&(_, share)| share);
-    let mut groups = Groups::new(rings.len());
+    let mut groups = Roots::new(rings.len());
     for a in 0..rings.len() {
         for &(b, share) in &seen[a] {
             let joined = if rings[a].outward > OUTWARD {
@@ -67,11 +68,11 @@ pub fn group_loops(mesh: MeshView<'_>, chains: &[Chain]) -> Vec<usize> {
                 share >= MAJORITY && sees(b, a) >= MAJORITY && are_tube_ends(&rings[a], &rings[b])
             };
             if joined {
-                groups.join(a, b);
+                groups.join(a as u32, b as u32);
             }
         }
     }
-    groups.numbers()
+    groups.into_roots().into_iter().map(|root| root as usize).collect()
 }
 
 fn are_tube_ends(a: &Ring, b: &Ring) -> bool {
@@ -172,27 +173,4 @@ fn nearest_facing(rings: &[Ring], near: &[usize], look: &Look) -> Option<usize> 
         }
     }
     best.1
-}
-
-/// Sets of loops, merged.
-struct Groups(Vec<usize>);
-
-impl Groups {
-    fn new(n: usize) -> Self {
-        Self((0..n).collect())
-    }
-    fn root(&self, mut a: usize) -> usize {
-        while self.0[a] != a {
-            a = self.0[a];
-        }
-        a
-    }
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        // The smaller index leads, so a root is its group's first loop.
-        self.0[a.max(b)] = a.min(b);
-    }
-    fn numbers(&self) -> Vec<usize> {
-        (0..self.0.len()).map(|a| self.root(a)).collect()
-    }
 }

@@ -6,6 +6,7 @@ pub mod select;
 
 use crate::error::{Error, Problem, Result};
 use crate::mesh::boundary::find_boundary;
+use crate::mesh::roots::Roots;
 use crate::mesh::MeshView;
 use crate::options::Grouping;
 use crate::progress::Monitor;
@@ -147,22 +148,19 @@ fn kind_of(chains: &[loops::Chain], members: &[usize]) -> HoleKind {
 }
 
 fn join_named(chains: &[loops::Chain], lists: &[Vec<u32>]) -> Result<Vec<usize>> {
-    let mut groups: Vec<usize> = (0..chains.len()).collect();
+    let mut groups = Roots::new(chains.len());
     for list in lists {
-        let mut named = Vec::new();
+        let mut first = None;
         for v in list {
             let found = chains.iter().position(|c| c.shape.vertices.contains(v));
-            named.push(found.ok_or_else(|| Error::InvalidOption {
+            let found = found.ok_or_else(|| Error::InvalidOption {
                 name: "grouping",
                 reason: format!("vertex {v} is on no boundary loop"),
-            })?);
-        }
-        let roots: Vec<usize> = named.iter().map(|&l| groups[l]).collect();
-        if let Some(&first) = roots.iter().min() {
-            groups.iter_mut().filter(|g| roots.contains(g)).for_each(|g| *g = first);
+            })? as u32;
+            groups.join(*first.get_or_insert(found), found);
         }
     }
-    Ok(groups)
+    Ok(groups.into_roots().into_iter().map(|root| root as usize).collect())
 }
 
 /// Boundary vertices at the very same position: a mesh that is not welded.

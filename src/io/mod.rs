@@ -398,13 +398,7 @@ impl Document {
                 Err(IoError::Unsupported { format: self.format(), what })
             }
         }?;
-        let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
-        // Not two face lists at a time. What `append` made is valid: it reads back.
-        self.mesh.triangles = Triangles::default();
-        edit::splice(&mut self.bytes, edits);
-        *self = Self::parse(std::mem::take(&mut self.bytes), format)?;
-        self.dropped = dropped;
-        Ok(())
+        self.change(edits)
     }
 
     /// Adds new points to a cloud, each with all that the file's points carry; see
@@ -450,7 +444,14 @@ impl Document {
             Layout::Pcd(layout) => Ok(pcd::append(layout, bytes, made, &patch)),
             _ => unsupported("new points cannot be added to it; write PLY, XYZ or PCD"),
         }?;
+        self.change(edits)
+    }
+
+    /// The same file with something written into it, read anew: what was appended is valid.
+    fn change(&mut self, edits: Vec<edit::Edit>) -> Result<(), IoError> {
         let (format, dropped) = (self.format(), std::mem::take(&mut self.dropped));
+        // Not two face lists at a time.
+        self.mesh.triangles = Triangles::default();
         edit::splice(&mut self.bytes, edits);
         *self = Self::parse(std::mem::take(&mut self.bytes), format)?;
         self.dropped = dropped;

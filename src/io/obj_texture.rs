@@ -9,6 +9,7 @@
 use super::obj::{arguments, keyword, statements};
 use super::text::parse;
 use super::Mesh;
+use crate::mesh::roots::Roots;
 use crate::mesh::VertexView;
 use crate::result::{Completion, NONE};
 use std::collections::BTreeMap;
@@ -230,24 +231,16 @@ impl Texture {
     }
 
     fn find_charts(&mut self) {
-        let mut parent: Vec<u32> = (0..self.rows.len() as u32).collect();
-        fn root(parent: &mut [u32], mut i: u32) -> u32 {
-            while parent[i as usize] != i {
-                parent[i as usize] = parent[parent[i as usize] as usize];
-                i = parent[i as usize];
-            }
-            i
-        }
-        let count = parent.len();
+        let count = self.rows.len();
+        let mut charts = Roots::new(count);
         for f in 0..self.ends.len() {
             let mut known = self.face(f).iter().map(|c| c.1).filter(|&t| (t as usize) < count);
             let Some(first) = known.next() else { continue };
             for other in known {
-                let (a, b) = (root(&mut parent, first), root(&mut parent, other));
-                parent[a.max(b) as usize] = a.min(b);
+                charts.join(first, other);
             }
         }
-        self.charts = (0..parent.len() as u32).map(|i| root(&mut parent, i)).collect();
+        self.charts = charts.into_roots();
     }
 
     /// Of a triangle of the mesh; `None` if a corner has none.

@@ -10,6 +10,7 @@ pub mod object;
 pub mod paint;
 pub mod patch;
 pub mod rigid;
+pub mod ring_pattern;
 pub mod search;
 pub mod source;
 pub mod stretch;

@@ -1,9 +1,10 @@
 //! Candidates for one hole: places on the source that look like its ring, aligned.
 
 use super::cloud::{thin, Cloud, Thinned};
-use super::height_map::{keep_different, Candidate, Frame, HeightMap, RingPattern};
+use super::height_map::{Frame, HeightMap};
 use super::icp::{align, misfit, worth, Partner, RingPoint, KEEP};
 use super::rigid::Rigid;
+use super::ring_pattern::{keep_different, Candidate, RingPattern};
 use super::source::Source;
 use super::stretch::stretch;
 use crate::error::Result;

@@ -3,6 +3,7 @@
 pub mod boundary;
 pub mod neighbourhood;
 pub mod normals;
+pub mod roots;
 mod view;
 
 pub use view::{FaceView, MeshView, VertexView};

@@ -9,6 +9,7 @@
 
 use super::neighbours::{blocks, Neighbours};
 use crate::error::Result;
+use crate::mesh::roots::Roots;
 use crate::progress::Monitor;
 use glam::DVec3;
 use nalgebra::{Matrix3, SymmetricEigen};
@@ -168,31 +169,4 @@ fn spanning_tree(points: &[DVec3], normals: &[DVec3], neighbours: &Neighbours) -
     let kept = edges.iter().filter(|&&(_, a, b)| roots.join(a, b)).map(|&(_, a, b)| [a, b]);
     let kept: Vec<[u32; 2]> = kept.collect();
     Tree::new(points.len(), &kept)
-}
-
-/// Sets that are merged (union by the smaller index, paths halved).
-pub struct Roots(Vec<u32>);
-
-impl Roots {
-    /// Each index in a set of its own.
-    pub fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    /// The smallest index of the set.
-    pub fn root(&mut self, mut i: u32) -> u32 {
-        while self.0[i as usize] != i {
-            let above = self.0[self.0[i as usize] as usize];
-            self.0[i as usize] = above;
-            i = above;
-        }
-        i
-    }
-
-    /// Merges two sets; false if they are one already.
-    pub fn join(&mut self, a: u32, b: u32) -> bool {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b) as usize] = a.min(b);
-        a != b
-    }
 }

@@ -2,6 +2,7 @@
 //! stars that did not agree are closed, triangles that hang on by a corner go, and so do specks.
 
 use super::surface::{turn, Surface};
+use crate::mesh::roots::Roots;
 use glam::DVec3;
 use std::collections::HashSet;
 
@@ -300,7 +301,7 @@ fn fans(surface: &Surface<'_>, v: u32) -> Vec<Vec<u32>> {
 const SPECK: u32 = 12;
 
 fn drop_specks(surface: &mut Surface<'_>) {
-    let mut roots = super::normals::Roots::new(surface.points.len());
+    let mut roots = Roots::new(surface.points.len());
     let alive = |s: &Surface<'_>, t: usize| !s.dropped[t];
     for t in (0..surface.triangles.len()).filter(|&t| alive(surface, t)) {
         let [a, b, c] = surface.triangles[t];

@@ -9,8 +9,8 @@
 use super::domain::Domain;
 use super::fit::Fitted;
 use super::project::Copy;
-use crate::matching::height_map::blandness;
 use crate::matching::paint::EDGES;
+use crate::matching::ring_pattern::blandness;
 use crate::mesh::normals::vertex_normals;
 use glam::DVec3;
 

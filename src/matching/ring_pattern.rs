@@ -1,0 +1,512 @@
+//! Where the object looks like the known ring around a hole: height maps compared, turned and mirrored.
+//!
+//! The method is our own. It stands in for the descriptors of Harary et al. 2014, Sec. 4, where the
+//! initial completion says too little: only what is known is compared, so nothing depends on the
+//! smooth fill but the frame that the ring is seen in.
+//!
+//! The cost of laying a source map over the target's known bins, for each of 36 turns and 2 sides, is
+//! the root mean square of the height difference d with its best plane a + b x + c y taken out (the ICP
+//! that follows corrects offset and tilt anyway), plus what is not covered times the radius. The sums
+//! that this takes are five correlations of rows, less the target's moments where the source knows
+//! nothing.
+
+use super::blocks::{Lanes, LANES};
+use super::height_map::{bin_of, Frame, HeightMap, Row, ANGLES, RADII, WHOLE};
+use super::rigid::Rigid;
+use glam::{DMat3, DVec3};
+
+/// Exponent of [`blandness`].
+const BLAND: f64 = 1.0;
+/// Known bins that a source must cover.
+const COVER: f64 = 0.9;
+/// Greatest slope of the plane taken out: what is steeper is another place, not the same aslant.
+const MOST_TILT: f64 = 0.7;
+/// Turns kept of each source map and side: periodic ornament fits at more than one.
+const TURNS_KEPT: usize = 2;
+/// Turns that count as the same.
+const SAME_TURN: usize = 4;
+
+/// A known bin of a target, for one side.
+struct Bin {
+    r: usize,
+    a: usize,
+    /// In the order of the constants below.
+    moments: Moments,
+}
+
+/// Moments of a target's bin: weight 1, position (x, y) and height h.
+const MOMENTS: usize = 10;
+type Moments = [f32; MOMENTS];
+const W: usize = 0;
+const X: usize = 1;
+const Y: usize = 2;
+const H: usize = 3;
+const XX: usize = 4;
+const XY: usize = 5;
+const YY: usize = 6;
+const XH: usize = 7;
+const YH: usize = 8;
+const HH: usize = 9;
+
+/// Sums over the target's bins that no source changes.
+#[derive(Default, Clone, Copy)]
+struct Sums {
+    n: f64,
+    x: f64,
+    y: f64,
+    xx: f64,
+    xy: f64,
+    yy: f64,
+    d: f64,
+    dx: f64,
+    dy: f64,
+    dd: f64,
+}
+
+/// The target's known bins, ready to be compared.
+pub struct RingPattern {
+    frame: Frame,
+    /// As it is, and mirrored; by radius.
+    bins: [Vec<Bin>; 2],
+    /// Where the bins of each radius begin, and the end.
+    rows: [usize; RADII + 1],
+    /// Sums over the bins as it is, with d the target's heights.
+    sums: Sums,
+    /// Bins from the centre out that a source must have something in.
+    inner: usize,
+    /// Radius of the map, in mesh units.
+    radius: f64,
+    /// Mean roughness of what is known.
+    roughness: f64,
+    /// Tints of the bins, if they are compared.
+    tints: Vec<f32>,
+    /// What a difference of 1 in tint is worth, in mesh units.
+    paint: f64,
+}
+
+/// A place on the source whose surroundings look like the ring.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate {
+    /// From source to target.
+    pub transform: Rigid,
+    /// How badly it fits, in mesh units, times `bland`.
+    pub cost: f64,
+    /// See [`blandness`].
+    pub bland: f64,
+}
+
+impl RingPattern {
+    /// From the map of the known points; bins that hold a point of the fill are unknown. Only bins
+    /// nearer than `reach` (mesh units) are compared.
+    /// `paint`: what a difference of 1 in tint is worth, in mesh units.
+    pub fn new(known: &HeightMap, fill: &[DVec3], radius: f64, reach: f64, paint: f64) -> Self {
+        let frame = known.frame;
+        let mut filled = [[false; ANGLES]; RADII];
+        let mut inner = 0;
+        for &p in fill {
+            if let Some((r, a)) = bin_of(frame.local(p), radius) {
+                filled[r][a] = true;
+                inner = inner.max(r + 1);
+            }
+        }
+        let step = radius / RADII as f64;
+        let last = ((reach / step).ceil() as usize).min(RADII);
+        let (mut bins, mut sums) = ([Vec::new(), Vec::new()], Sums::default());
+        let mut rows = [0; RADII + 1];
+        let mut tints = Vec::new();
+        for r in 0..last {
+            for a in (0..ANGLES).filter(|&a| known.knows(r, a) && !filled[r][a]) {
+                let turn = (a as f64 + 0.5) / ANGLES as f64 * std::f64::consts::TAU;
+                let at = (r as f64 + 0.5) * step;
+                let (x, y) = (at * turn.cos(), at * turn.sin());
+                let h = f64::from(known.height[r][a]);
+                let moments =
+                    [1.0, x, y, h, x * x, x * y, y * y, x * h, y * h, h * h].map(|m| m as f32);
+                // A mirrored source runs around the other way.
+                bins[0].push(Bin { r, a, moments });
+                bins[1].push(Bin { r, a: ANGLES - 1 - a, moments });
+                sums.add(1.0, x, y, h);
+                tints.extend(known.tint.as_ref().map(|t| t[r][a]));
+            }
+            rows[r + 1..].fill(bins[0].len());
+        }
+        Self { tints, paint, frame, bins, rows, sums, inner, radius, roughness: known.roughness }
+    }
+
+    /// Whether there is enough to compare with.
+    pub fn is_useful(&self) -> bool {
+        self.bins[0].len() > ANGLES
+    }
+
+    /// The best turns of one source map, as it is and (if wanted) mirrored, added to `found`.
+    pub fn compare(&self, map: &HeightMap, mirror: bool, found: &mut Vec<Candidate>) {
+        if map.coverage_inside(self.inner) < COVER {
+            return;
+        }
+        let bland = blandness(self.roughness, map.roughness);
+        let doubled = Doubled::new(map);
+        for mirrored in [false, true].into_iter().take(1 + usize::from(mirror)) {
+            let bins = &self.bins[usize::from(mirrored)];
+            let all = self.correlate(bins, &doubled);
+            let tints = doubled.tint.as_deref().map(|t| self.compare_tints(bins, t));
+            let mut best: Vec<(f64, usize, DVec3)> = (0..ANGLES)
+                .filter_map(|turn| {
+                    let (cost, plane) = self.cost(&all[turn])?;
+                    let cost = match &tints {
+                        Some(tints) => {
+                            cost.hypot(self.paint * (f64::from(tints[turn]) / all[turn].n).sqrt())
+                        }
+                        None => cost,
+                    };
+                    Some((cost, turn, plane))
+                })
+                .collect();
+            best.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let mut kept: Vec<usize> = Vec::new();
+            for (cost, turn, plane) in best {
+                let near = |t: &usize| {
+                    let d = t.abs_diff(turn);
+                    d.min(ANGLES - d) < SAME_TURN
+                };
+                if kept.iter().any(near) {
+                    continue;
+                }
+                kept.push(turn);
+                let transform = self.transform(map, turn, mirrored, plane);
+                found.push(Candidate { transform, cost: cost * bland, bland });
+                if kept.len() == TURNS_KEPT {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// The sums at all turns.
+    fn correlate(&self, bins: &[Bin], map: &Doubled) -> [Sums; ANGLES] {
+        let mut with_height = [[0f32; TURNS]; 5];
+        pulp::Arch::new().dispatch(|| {
+            for turn in (0..TURNS).step_by(LANES) {
+                let sums = sum_heights(bins, &map.height, turn);
+                (0..5).for_each(|m| with_height[m][turn..turn + LANES].copy_from_slice(&sums[m]));
+            }
+        });
+        let missing = self.sum_missing(bins, &map.known);
+        std::array::from_fn(|turn| {
+            let target = match &missing {
+                Some(missing) => self.sums.without(&missing[turn]),
+                None => self.sums,
+            };
+            target.less(std::array::from_fn(|m| f64::from(with_height[m][turn])))
+        })
+    }
+
+    /// The moments at each turn of the bins that the source does not know; `None` if it knows all. Few
+    /// are: sums over those that it knows would cost more than all else.
+    fn sum_missing(&self, bins: &[Bin], known: &[u64; RADII]) -> Option<[Moments; ANGLES]> {
+        let mut missing: Option<[Moments; ANGLES]> = None;
+        for r in (0..RADII).filter(|&r| known[r] != WHOLE) {
+            let row = &bins[self.rows[r]..self.rows[r + 1]];
+            if row.is_empty() {
+                continue;
+            }
+            let missing = missing.get_or_insert([[0.0; MOMENTS]; ANGLES]);
+            for a in (0..ANGLES).filter(|&a| known[r] >> a & 1 == 0) {
+                for b in row {
+                    let turn = if a < b.a { a + ANGLES - b.a } else { a - b.a };
+                    let sums = missing[turn].iter_mut();
+                    sums.zip(&b.moments).for_each(|(s, m)| *s += m);
+                }
+            }
+        }
+        missing
+    }
+
+    /// Σ (tint of the target − of the source)² at all turns.
+    fn compare_tints(&self, bins: &[Bin], [tint, known]: &[Twice; 2]) -> [f32; ANGLES] {
+        let mut sums = [0f32; ANGLES];
+        for (b, &t) in bins.iter().zip(&self.tints) {
+            let (row, seen) = (&tint[b.r][b.a..][..ANGLES], &known[b.r][b.a..][..ANGLES]);
+            for (s, (x, k)) in sums.iter_mut().zip(row.iter().zip(seen)) {
+                *s += k * (t - x) * (t - x);
+            }
+        }
+        sums
+    }
+
+    /// Cost of the sums, and the plane taken out.
+    fn cost(&self, s: &Sums) -> Option<(f64, DVec3)> {
+        let covered = s.n / self.bins[0].len() as f64;
+        if covered < COVER {
+            return None;
+        }
+        let m = DMat3::from_cols(
+            DVec3::new(s.n, s.x, s.y),
+            DVec3::new(s.x, s.xx, s.xy),
+            DVec3::new(s.y, s.xy, s.yy),
+        );
+        let rhs = DVec3::new(s.d, s.dx, s.dy);
+        let plane = m.inverse() * rhs;
+        if !plane.is_finite() || plane.y.hypot(plane.z) > MOST_TILT {
+            return None;
+        }
+        let left = (s.dd - plane.dot(rhs)).max(0.0) / s.n;
+        Some((left.sqrt() + (1.0 - covered) * self.radius * 0.25, plane))
+    }
+
+    fn transform(&self, map: &HeightMap, turn: usize, mirrored: bool, plane: DVec3) -> Rigid {
+        // Source angle = ±(target angle) + turn, so the target's is ±(source angle − turn).
+        let angle = -(turn as f64) / ANGLES as f64 * std::f64::consts::TAU;
+        let mut in_plane = DMat3::from_rotation_z(angle);
+        if mirrored {
+            in_plane = DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)) * in_plane;
+        }
+        let normal = DVec3::new(-plane.y, -plane.z, 1.0).normalize();
+        let tilt = DMat3::from_quat(glam::DQuat::from_rotation_arc(DVec3::Z, normal));
+        let linear = self.frame.axes * tilt * in_plane * map.frame.axes.transpose();
+        let to = self.frame.centre + plane.x * self.frame.axes.z_axis;
+        Rigid { linear, translation: to - linear * map.frame.centre }
+    }
+}
+
+impl Sums {
+    fn without(self, moments: &Moments) -> Self {
+        let m = |k: usize| f64::from(moments[k]);
+        Self {
+            n: self.n - m(W),
+            x: self.x - m(X),
+            y: self.y - m(Y),
+            xx: self.xx - m(XX),
+            xy: self.xy - m(XY),
+            yy: self.yy - m(YY),
+            d: self.d - m(H),
+            dx: self.dx - m(XH),
+            dy: self.dy - m(YH),
+            dd: self.dd - m(HH),
+        }
+    }
+
+    /// With source heights s taken from the target's: sums of s, x s, y s, h s and s².
+    fn less(self, [s, sx, sy, sh, ss]: [f64; 5]) -> Self {
+        let dd = self.dd - 2.0 * sh + ss;
+        Self { d: self.d - s, dx: self.dx - sx, dy: self.dy - sy, dd, ..self }
+    }
+    fn add(&mut self, n: f64, x: f64, y: f64, d: f64) {
+        self.n += n;
+        self.x += x;
+        self.y += y;
+        self.xx += x * x;
+        self.xy += x * y;
+        self.yy += y * y;
+        self.d += d;
+        self.dx += d * x;
+        self.dy += d * y;
+        self.dd += d * d;
+    }
+}
+
+/// The turns in whole lanes: the last ones are not used.
+const TURNS: usize = ANGLES.next_multiple_of(LANES);
+
+/// Rows whose angles run twice around, so that a turned row is a slice.
+type Twice = [[f32; ANGLES + TURNS]; RADII];
+
+struct Doubled {
+    height: Twice,
+    known: [u64; RADII],
+    /// The tints, if there are colours, and 1 where they are known.
+    tint: Option<Box<[Twice; 2]>>,
+}
+
+impl Doubled {
+    fn new(map: &HeightMap) -> Self {
+        let tint = |t: &[Row; RADII]| {
+            let seen = map.known.map(|bits| std::array::from_fn(|a| (bits >> a & 1) as f32));
+            Box::new([twice(t), twice(&seen)])
+        };
+        Self { tint: map.tint.as_deref().map(tint), height: twice(&map.height), known: map.known }
+    }
+}
+
+/// Each row twice, and on to whole lanes.
+fn twice(rows: &[Row; RADII]) -> Twice {
+    let mut all = [[0.0; _]; RADII];
+    for (twice, row) in all.iter_mut().zip(rows) {
+        twice[..ANGLES].copy_from_slice(row);
+        twice[ANGLES..2 * ANGLES].copy_from_slice(row);
+        twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
+    }
+    all
+}
+
+/// Of some turns the sums over the bins of source height times weight, x, y and target height, and of
+/// its square.
+#[inline(always)]
+fn sum_heights(bins: &[Bin], height: &Twice, turn: usize) -> [Lanes; 5] {
+    let mut sums = [[0f32; LANES]; 5];
+    for b in bins {
+        let h = lanes(&height[b.r], b.a + turn);
+        for l in 0..LANES {
+            sums[0][l] += h[l];
+            sums[1][l] += b.moments[X] * h[l];
+            sums[2][l] += b.moments[Y] * h[l];
+            sums[3][l] += b.moments[H] * h[l];
+            sums[4][l] += h[l] * h[l];
+        }
+    }
+    sums
+}
+
+#[inline(always)]
+fn lanes(row: &[f32], from: usize) -> Lanes {
+    let mut out = [0.0; LANES];
+    out.copy_from_slice(&row[from..from + LANES]);
+    out
+}
+
+/// What the cost of a source that is smoother than the surroundings is multiplied with, from their
+/// mean square turns: (target / source)^(exponent / 2), at least 1. A smooth source always fits better,
+/// as it adds no noise of its own: without this the fur of a scan is continued by its bald spots.
+pub fn blandness(target: f64, source: f64) -> f64 {
+    (target / source.max(f64::MIN_POSITIVE)).max(1.0).powf(0.5 * BLAND)
+}
+
+/// Keeps the best that differ: what they lay over `centre` more than a quarter of `radius` apart, or
+/// turned by more than `turn` (Frobenius norm of the difference of the linear parts).
+pub fn keep_different(
+    mut all: Vec<Candidate>,
+    centre: DVec3,
+    radius: f64,
+    turn: f64,
+    most: usize,
+) -> Vec<Candidate> {
+    all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let mut kept: Vec<(Candidate, DVec3)> = Vec::new();
+    for m in all {
+        // What lies over the target's centre says where on the source we are.
+        let place = m.transform.inverse().point(centre);
+        let same = |k: &(Candidate, DVec3)| {
+            let d = k.0.transform.linear - m.transform.linear;
+            let norm = d.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+            place.distance(k.1) < 0.25 * radius && norm < turn
+        };
+        if !kept.iter().any(same) {
+            kept.push((m, place));
+            if kept.len() == most {
+                break;
+            }
+        }
+    }
+    kept.into_iter().map(|k| k.0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cloud::{thin, Cloud, Sample};
+    use super::super::height_map::tests::map_at;
+    use super::super::source::tests::{hills, hilly_source, some_transform};
+    use super::*;
+
+    /// The hills moved, as a cloud.
+    fn moved_cloud(t: &Rigid) -> Cloud {
+        let n = 120;
+        let side = |i: usize| 2.4 * i as f64 / n as f64 - 1.2;
+        let points = (0..n * n).map(|k| {
+            let (p, m) = hills(side(k % n), side(k / n));
+            (t.point(p), t.direction(m), 0.0, 0.0)
+        });
+        cloud_of(points)
+    }
+
+    fn cloud_of(points: impl Iterator<Item = Sample> + Clone) -> Cloud {
+        Cloud::of_points(thin(points, 0.04, &|| Ok(())).unwrap(), &|| Ok(())).unwrap()
+    }
+
+    /// Where the source shows the same hills, rotated or mirrored, the best candidate of many places
+    /// is that place, with the turn within a bin.
+    #[test]
+    fn hills_are_found_again() {
+        let radius = 0.8;
+        let cloud = Cloud::of_source(&hilly_source(60), 0.04, &|| Ok(())).unwrap();
+        let places: Vec<HeightMap> = (0..25)
+            .map(|k| {
+                let (p, _) = hills(0.2 * (k % 5) as f64 - 0.4, 0.2 * (k / 5) as f64 - 0.4);
+                map_at(&cloud, p, DVec3::Z, radius)
+            })
+            .collect();
+        for mirrored in [false, true] {
+            let truth = some_transform(mirrored);
+            let target = moved_cloud(&truth);
+            let centre = truth.point(hills(0.0, 0.0).0);
+            let known = map_at(&target, centre, truth.direction(DVec3::Z), radius);
+            let hole: Vec<DVec3> = target
+                .thinned
+                .points
+                .iter()
+                .copied()
+                .filter(|p| p.distance(centre) < 0.35)
+                .collect();
+            let pattern = RingPattern::new(&known, &hole, radius, radius, 0.0);
+            assert!(pattern.is_useful());
+            let mut found = Vec::new();
+            places.iter().for_each(|m| pattern.compare(m, true, &mut found));
+            let best = keep_different(found, centre, 0.4, 0.6, 20);
+            assert!(best.is_sorted_by(|a, b| a.cost <= b.cost));
+            let found = best[0].transform;
+            assert_eq!(found.is_mirrored(), mirrored);
+            let turn = (found.linear.transpose() * truth.linear).to_cols_array();
+            let trace = turn[0] + turn[4] + turn[8];
+            let angle = (0.5 * (trace - 1.0)).clamp(-1.0, 1.0).acos().to_degrees();
+            let off = found.point(hills(0.0, 0.0).0).distance(centre);
+            println!("{angle:.2}° {off:.4}, cost {:.4} then {:.4}", best[0].cost, best[1].cost);
+            assert!(angle < 8.0 && off < 0.06, "{angle} {off}");
+            assert!(best[0].cost < 0.5 * best[1].cost);
+        }
+    }
+
+    /// Offset and tilt are taken out, so they cost nothing.
+    #[test]
+    fn a_plane_fits_at_no_cost() {
+        let level = |slope: f64, lift: f64| {
+            let n = 60;
+            let side = |i: usize| 3.0 * i as f64 / n as f64 - 1.5;
+            let points = (0..n * n).map(move |k| {
+                let (x, y) = (side(k % n), side(k / n));
+                (DVec3::new(x, y, slope * x + lift), DVec3::Z, 0.0, 0.0)
+            });
+            cloud_of(points)
+        };
+        let map = |cloud: &Cloud| map_at(cloud, DVec3::ZERO, DVec3::Z, 1.0);
+        let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, 1.0, 0.0);
+        let mut found = Vec::new();
+        pattern.compare(&map(&level(0.3, 0.1)), true, &mut found);
+        assert!(!found.is_empty());
+        for c in &found {
+            assert!(c.cost < 0.01, "{}", c.cost);
+            // The slope is undone by the transform.
+            let up = c.transform.direction(DVec3::new(-0.3, 0.0, 1.0).normalize());
+            assert!(up.dot(DVec3::Z) > 0.999, "{up}");
+        }
+        // Steeper than what counts as the same place.
+        let mut steep = Vec::new();
+        pattern.compare(&map(&level(0.9, 0.0)), true, &mut steep);
+        assert!(steep.is_empty());
+    }
+
+    #[test]
+    fn only_a_smoother_source_is_bland() {
+        assert_eq!(blandness(1.0, 4.0), 1.0);
+        assert!((blandness(4.0, 1.0) - 2.0).abs() < 1e-12);
+        assert!(blandness(0.0, 0.0).is_finite() && blandness(1.0, 0.0) > 1e100);
+    }
+
+    #[test]
+    fn of_equal_places_the_best_is_kept() {
+        let at = |x: f64, cost: f64| {
+            let transform = Rigid { translation: DVec3::X * x, ..Rigid::IDENTITY };
+            Candidate { transform, cost, bland: 1.0 }
+        };
+        let all = vec![at(0.0, 3.0), at(0.1, 1.0), at(5.0, 2.0), at(5.2, 4.0), at(9.0, 5.0)];
+        let kept = keep_different(all, DVec3::ZERO, 1.0, 0.5, 2);
+        assert_eq!(kept.iter().map(|c| c.cost).collect::<Vec<_>>(), [1.0, 2.0]);
+    }
+}
