@@ -5,7 +5,9 @@ use super::blocks::Blocks;
 use super::source::Source;
 use crate::error::Result;
 use crate::progress::Pace;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 /// Points with normals, evenly spread, and a tree over them.
 pub struct Cloud {
@@ -13,6 +15,8 @@ pub struct Cloud {
     pub thinned: Thinned,
     /// Over the points.
     pub blocks: Blocks,
+    /// Of the source, see [`Source::axes`].
+    pub axes: DMat3,
 }
 
 /// Points with normals, evenly spread.
@@ -47,46 +51,21 @@ impl Cloud {
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
         let spacing = Self::spacing(source, spacing);
-        if source.edge < spacing {
-            let all = source.points.ids().iter();
-            let point = |&v: &u32| {
-                let v = v as usize;
-                (source.positions[v], source.normals[v], source.roughness[v], source.tint(v))
-            };
-            let thinned = thin(all.map(point), spacing, check)?;
-            return Self::of_points(thinned.painted(source), check);
-        }
-        let mut samples = Vec::new();
-        let mut pace = Pace::new(check);
-        for face in &source.faces {
-            let p = face.map(|v| source.positions[v as usize]);
-            let n = face.map(|v| source.normals[v as usize]);
-            let rough = face.iter().map(|&v| source.roughness[v as usize]).sum::<f64>() / 3.0;
-            let tints = face.map(|v| source.tint(v as usize));
-            let longest = (0..3).map(|k| p[k].distance(p[(k + 1) % 3])).fold(0.0, f64::max);
-            // The middles of k² small triangles.
-            let k = ((longest / spacing).ceil() as usize).clamp(1, 16);
-            pace.work(16 * k * k)?;
-            for i in 0..k {
-                for j in 0..2 * (k - i) - 1 {
-                    let step = 1.0 / k as f64;
-                    let third = if j % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
-                    let (a, b) = ((i as f64 + third) * step, ((j / 2) as f64 + third) * step);
-                    let c = 1.0 - a - b;
-                    let point = a * p[0] + b * p[1] + c * p[2];
-                    let tint = a * tints[0] + b * tints[1] + c * tints[2];
-                    samples.push((point, a * n[0] + b * n[1] + c * n[2], rough, tint));
-                }
-            }
-        }
-        let thinned = thin(samples.into_iter(), spacing, check)?;
-        Self::of_points(thinned.painted(source), check)
+        let thinned = match source.edge < spacing {
+            true => thin(vertex_samples(source), spacing, &source.axes, check)?,
+            false => thin(face_samples(source, spacing), spacing, &source.axes, check)?,
+        };
+        Self::of_points(thinned.painted(source), source.axes, check)
     }
 
-    /// Over such points.
-    pub fn of_points(thinned: Thinned, check: &dyn Fn() -> Result<()>) -> Result<Self> {
+    /// Over such points, thinned along such axes.
+    pub fn of_points(
+        thinned: Thinned,
+        axes: DMat3,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
         let blocks = Blocks::new(&thinned.points, &thinned.normals, check)?;
-        Ok(Self { thinned, blocks })
+        Ok(Self { thinned, blocks, axes })
     }
 }
 
@@ -104,45 +83,113 @@ const POINT: usize = 8;
 /// Numbers sorted without a look at the wish to cancel: two milliseconds.
 const SORTED_AT_ONCE: usize = 1 << 15;
 
-/// One point for each cubic cell of width `spacing` and each octant of the normal: the two
-/// sides of a thin wall are not averaged. Points without a normal are left out.
+fn vertex_samples(source: &Source) -> impl Iterator<Item = Sample> + Clone + '_ {
+    source.points.ids().iter().map(|&v| {
+        let v = v as usize;
+        (source.positions[v], source.normals[v], source.roughness[v], source.tint(v))
+    })
+}
+
+/// The middles of k² small triangles of each face, k that of its longest edge.
+fn face_samples(source: &Source, spacing: f64) -> impl Iterator<Item = Sample> + Clone + '_ {
+    source.faces.iter().flat_map(move |face| {
+        let p = face.map(|v| source.positions[v as usize]);
+        let n = face.map(|v| source.normals[v as usize]);
+        let rough = face.iter().map(|&v| source.roughness[v as usize]).sum::<f64>() / 3.0;
+        let tints = face.map(|v| source.tint(v as usize));
+        let longest = (0..3).map(|k| p[k].distance(p[(k + 1) % 3])).fold(0.0, f64::max);
+        let k = ((longest / spacing).ceil() as usize).clamp(1, 16);
+        let places = (0..k).flat_map(move |i| (0..2 * (k - i) - 1).map(move |j| (i, j)));
+        places.map(move |(i, j)| {
+            let step = 1.0 / k as f64;
+            let third = if j % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
+            let (a, b) = ((i as f64 + third) * step, ((j / 2) as f64 + third) * step);
+            let c = 1.0 - a - b;
+            let point = a * p[0] + b * p[1] + c * p[2];
+            let tint = a * tints[0] + b * tints[1] + c * tints[2];
+            (point, a * n[0] + b * n[1] + c * n[2], rough, tint)
+        })
+    })
+}
+
+/// What the samples of a cell add up to.
+struct Sum {
+    point: DVec3,
+    normal: DVec3,
+    roughness: f64,
+    tint: f64,
+    count: f64,
+}
+
+/// One point for each cubic cell of width `spacing` along the axes, and each octant of the normal: the
+/// two sides of a thin wall are not averaged. Points without a normal are left out.
 pub fn thin(
-    points: impl Iterator<Item = Sample>,
+    points: impl Iterator<Item = Sample> + Clone,
     spacing: f64,
+    axes: &DMat3,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Thinned> {
+    let along = axes.transpose();
     let mut pace = Pace::new(check);
-    let (mut low, mut kept) = (DVec3::INFINITY, Vec::with_capacity(points.size_hint().0));
-    for point in points {
+    let mut low = DVec3::INFINITY;
+    for point in points.clone() {
         pace.work(POINT)?;
-        low = low.min(point.0);
-        if point.1 != DVec3::ZERO {
-            kept.push(point);
-        }
+        low = low.min(along * point.0);
     }
-    let mut cells: Vec<u128> = Vec::with_capacity(kept.len());
-    for (i, (p, n, ..)) in kept.iter().enumerate() {
+    // Summed up as they come: there are many times more samples than cells.
+    let mut place: HashMap<u128, u32, BuildHasherDefault<CellHasher>> = HashMap::default();
+    let mut sums: Vec<Sum> = Vec::new();
+    let mut cells: Vec<u128> = Vec::new();
+    for (p, n, roughness, tint) in points.filter(|p| p.1 != DVec3::ZERO) {
         pace.work(POINT)?;
-        let cell = ((*p - low) / spacing).to_array().map(|x| x as u32);
+        let cell = ((along * p - low) / spacing).to_array().map(|x| x as u32);
         let at = |key: u128, x: u32| key << CELL_BITS | u128::from(x.min((1 << CELL_BITS) - 1));
-        let octant = n.cmplt(DVec3::ZERO).bitmask();
-        // By index at last, so that the sums below run in input order.
-        cells.push((cell.into_iter().fold(0, at) << 3 | u128::from(octant)) << 32 | i as u128);
+        let octant = (along * n).cmplt(DVec3::ZERO).bitmask();
+        let key = cell.into_iter().fold(0, at) << 3 | u128::from(octant);
+        let i = *place.entry(key).or_insert(sums.len() as u32) as usize;
+        if i == sums.len() {
+            cells.push(key << 32 | i as u128);
+            sums.push(Sum { point: p, normal: n, roughness, tint, count: 1.0 });
+            continue;
+        }
+        let sum = &mut sums[i];
+        sum.point += p;
+        sum.normal += n;
+        sum.roughness += roughness;
+        sum.tint += tint;
+        sum.count += 1.0;
     }
     sort_checked(&mut cells, check)?;
-    let (mut means, mut normals) = (Vec::new(), Vec::new());
-    let (mut roughness, mut tints) = (Vec::new(), Vec::new());
-    for same in cells.chunk_by(|a, b| a >> 32 == b >> 32) {
-        pace.work(POINT * same.len())?;
-        let count = same.len() as f64;
-        let members = || same.iter().map(|c| &kept[*c as u32 as usize]);
-        means.push(members().map(|m| m.0).sum::<DVec3>() / count);
-        normals.push(members().map(|m| m.1).sum::<DVec3>().normalize_or_zero());
-        roughness.push(members().map(|m| m.2).sum::<f64>() / count);
-        tints.push(members().map(|m| m.3).sum::<f64>() / count);
-    }
+    let in_order = || cells.iter().map(|&c| &sums[c as u32 as usize]);
     check()?;
-    Ok(Thinned { points: means, normals, roughness, tints: Some(tints) })
+    Ok(Thinned {
+        points: in_order().map(|s| s.point / s.count).collect(),
+        normals: in_order().map(|s| s.normal.normalize_or_zero()).collect(),
+        roughness: in_order().map(|s| s.roughness / s.count).collect(),
+        tints: Some(in_order().map(|s| s.tint / s.count).collect()),
+    })
+}
+
+/// Keys are cells, millions of them: multiplications by the golden ratio spread them well enough.
+/// (Knuth, "The art of computer programming", vol. 3, sec. 6.4.)
+#[derive(Default)]
+struct CellHasher(u64);
+
+impl Hasher for CellHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&b| self.write_u128(u128::from(b)));
+    }
+
+    fn write_u128(&mut self, x: u128) {
+        const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+        let low = (x as u64 ^ self.0).wrapping_mul(GOLDEN);
+        let both = ((x >> 64) as u64 ^ low.rotate_left(32)).wrapping_mul(GOLDEN);
+        self.0 = both ^ both >> 32;
+    }
 }
 
 /// Sorts different numbers; asks `check` between the parts.
@@ -192,7 +239,7 @@ mod tests {
     fn sides_of_a_wall_stay_apart_and_points_without_normal_go() {
         let points = [(0.01, 1.0), (0.02, 1.0), (0.03, -1.0), (0.04, 0.0)]
             .map(|(z, n)| (DVec3::new(0.0, 0.0, z), DVec3::Z * n, z, 0.0));
-        let cloud = thin(points.into_iter(), 1.0, &|| Ok(())).unwrap();
+        let cloud = thin(points.into_iter(), 1.0, &DMat3::IDENTITY, &|| Ok(())).unwrap();
         assert_eq!(cloud.points.len(), 2);
         let up = cloud.normals.iter().position(|n| n.z > 0.0).unwrap();
         assert!((cloud.points[up].z - 0.015).abs() < 1e-12);

@@ -40,10 +40,10 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// With any two tangents.
-    pub fn new(centre: DVec3, normal: DVec3) -> Self {
-        let (x, y) = normal.any_orthonormal_pair();
-        Self { centre, axes: DMat3::from_cols(x, y, normal) }
+    /// With two tangents that move with such axes.
+    pub fn new(centre: DVec3, normal: DVec3, axes: &DMat3) -> Self {
+        let (x, y) = (axes.transpose() * normal).any_orthonormal_pair();
+        Self { centre, axes: DMat3::from_cols(*axes * x, *axes * y, normal) }
     }
     /// Coordinates of a point.
     pub fn local(&self, p: DVec3) -> DVec3 {
@@ -226,6 +226,6 @@ pub(super) mod tests {
     /// The map around a point.
     pub fn map_at(cloud: &Cloud, p: DVec3, n: DVec3, radius: f64) -> HeightMap {
         let near = cloud.blocks.near(p, 1.5 * radius);
-        HeightMap::new(cloud, &near, Frame::new(p, n), radius)
+        HeightMap::new(cloud, &near, Frame::new(p, n, &cloud.axes), radius)
     }
 }

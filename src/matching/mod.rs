@@ -1,5 +1,6 @@
 //! Where on the object something like the surroundings of a hole is found, and how it is laid there.
 
+pub mod axes;
 pub mod blocks;
 pub mod candidates;
 pub mod cloud;

@@ -418,7 +418,8 @@ mod tests {
     }
 
     fn cloud_of(points: impl Iterator<Item = Sample> + Clone) -> Cloud {
-        Cloud::of_points(thin(points, 0.04, &|| Ok(())).unwrap(), &|| Ok(())).unwrap()
+        let axes = DMat3::IDENTITY;
+        Cloud::of_points(thin(points, 0.04, &axes, &|| Ok(())).unwrap(), axes, &|| Ok(())).unwrap()
     }
 
     /// Where the source shows the same hills, rotated or mirrored, the best candidate of many places

@@ -9,7 +9,7 @@ use super::source::Source;
 use super::stretch::stretch;
 use crate::error::Result;
 use crate::parallel;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::sync::{Arc, OnceLock};
 
 /// Radius of the height maps, in hole radii: the hole and a ring as wide as its radius.
@@ -124,7 +124,7 @@ impl Maps {
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
         let Thinned { points, normals, .. } = &cloud.thinned;
         let point = |i: usize| (points[i], normals[i], 0.0, 0.0);
-        let centres = thin((0..points.len()).map(point), spacing, check)?;
+        let centres = thin((0..points.len()).map(point), spacing, &cloud.axes, check)?;
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
         Ok(Self { radius, cloud, known, mirrored, paint: worth(source), centres, maps })
     }
@@ -137,7 +137,8 @@ impl Maps {
             let near = self.cloud.blocks.near(centre, reach);
             // Moved onto the surface's mean plane.
             let mean = self.cloud.blocks.sum_normals(&near, normal, PLANE * self.radius);
-            let frame = (mean != DVec3::ZERO).then(|| Frame::new(centre, mean.normalize()))?;
+            let frame = (mean != DVec3::ZERO)
+                .then(|| Frame::new(centre, mean.normalize(), &self.cloud.axes))?;
             Some(HeightMap::new(&self.cloud, &near, frame, reach))
         };
         self.maps[c].get_or_init(make).as_ref()
@@ -204,8 +205,8 @@ fn align_all(
     threads: usize,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Vec<Candidate>> {
-    let coarse = thin_ring(target.ring, POINTS[0]);
-    let fine = thin_ring(target.ring, POINTS[1]);
+    let coarse = thin_ring(target.ring, POINTS[0], &known.axes);
+    let fine = thin_ring(target.ring, POINTS[1], &known.axes);
     let radius = target.radius;
     // Aligned by one ring, judged by another.
     let improve = |c: &Candidate, by: &[RingPoint], judge: &[RingPoint], partner, steps, keep| {
@@ -266,7 +267,7 @@ fn search_maps(
     let patterns: Vec<RingPattern> = targets
         .iter()
         .flat_map(|target| {
-            let frame = Frame::new(target.centre, target.normal);
+            let frame = Frame::new(target.centre, target.normal, &maps.known.axes);
             let around = maps.known.blocks.near(target.centre, 1.5 * reach);
             let known = HeightMap::new(&maps.known, &around, frame, reach);
             let ring = |w: &f64| {
@@ -313,19 +314,20 @@ fn wide_ring(known: &Source, target: &Target<'_>, width: f64) -> Vec<RingPoint> 
         .map(|v| (known.positions[v], known.normals[v], known.tint(v)))
         .filter(|(_, n, _)| n.dot(target.normal) > 0.0)
         .collect();
-    thin_ring(&points, POINTS[1])
+    thin_ring(&points, POINTS[1], &known.axes)
 }
 
-/// At most about `most` points, evenly spread: the mean of each cell's nearest point.
-fn thin_ring(ring: &[RingPoint], most: usize) -> Vec<RingPoint> {
+/// At most about `most` points, evenly spread: the first of each cell along the axes.
+fn thin_ring(ring: &[RingPoint], most: usize, axes: &DMat3) -> Vec<RingPoint> {
+    let along = axes.transpose();
     if ring.len() <= most {
         return ring.to_vec();
     }
-    let low = ring.iter().fold(DVec3::INFINITY, |a, p| a.min(p.0));
-    let high = ring.iter().fold(DVec3::NEG_INFINITY, |a, p| a.max(p.0));
+    let low = ring.iter().fold(DVec3::INFINITY, |a, p| a.min(along * p.0));
+    let high = ring.iter().fold(DVec3::NEG_INFINITY, |a, p| a.max(along * p.0));
     let mut width = (high - low).length() / (most as f64);
     loop {
-        let cell = |p: DVec3| ((p - low) / width).to_array().map(|x| x as u32);
+        let cell = |p: DVec3| ((along * p - low) / width).to_array().map(|x| x as u32);
         let mut cells: Vec<([u32; 3], usize)> =
             ring.iter().enumerate().map(|(i, p)| (cell(p.0), i)).collect();
         cells.sort();
@@ -449,13 +451,13 @@ mod tests {
     #[test]
     fn a_thinned_ring_is_part_of_the_ring() {
         let ring = polar(&Rigid::IDENTITY, 0.35..0.6);
-        let thin = thin_ring(&ring, 100);
+        let thin = thin_ring(&ring, 100, &DMat3::IDENTITY);
         assert!((50..=100).contains(&thin.len()), "{}", thin.len());
         assert!(thin.iter().all(|p| ring.contains(p)));
         for (p, ..) in &ring {
             let near = thin.iter().map(|q| q.0.distance(*p)).fold(f64::INFINITY, f64::min);
             assert!(near < 0.3);
         }
-        assert_eq!(thin_ring(&ring[..90], 100), ring[..90]);
+        assert_eq!(thin_ring(&ring[..90], 100, &DMat3::IDENTITY), ring[..90]);
     }
 }

@@ -1,6 +1,7 @@
 //! The source: what is known of the object, or the part of it and of an exemplar that may be copied
 //! from, ready to be searched.
 
+use super::axes::principal_axes;
 use super::paint::Paint;
 use crate::error::Result;
 use crate::intersect::Bvh;
@@ -9,7 +10,7 @@ use crate::mesh::normals::vertex_normals_checked;
 use crate::mesh::MeshView;
 use crate::options::Sources;
 use crate::progress::{Monitor, Pace};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 /// A mesh with normals and search trees: what is known of the object, or what may be copied from.
@@ -32,6 +33,8 @@ pub struct Source {
     pub area: f64,
     /// Mean edge length, in mesh units.
     pub edge: f64,
+    /// Its principal axes: nothing found in it depends on how it lies in space.
+    pub axes: DMat3,
     /// Mean square of the turn of the normal along the edges at each vertex, in radians² an edge
     /// of mean length: what there is of relief.
     pub roughness: Vec<f64>,
@@ -300,6 +303,7 @@ impl Parts {
             points: PointTree::new(&positions, ids, &|part| check(0.5 + 0.5 * part))?,
             area,
             edge,
+            axes: principal_axes(&positions, &faces),
             positions,
             normals,
             faces,

@@ -202,12 +202,13 @@ fn the_fill_moves_with_its_input() {
         assert!(moved_rms < 1.3 * rms + 0.01 && most < 0.2, "{name}: {moved_rms} {most}");
         assert_eq!(there.holes[0].method, Method::Coherent, "{name}");
         assert!(there.holes[0].sources[0].transform.is_mirrored(), "{name}");
-        // A power of two changes no rounding but that of logarithms.
-        if scale == 4.0 {
-            assert_eq!(here.faces, there.faces);
+        // The same vertices, but for rounding: a power of two changes none but that of logarithms. What
+        // is averaged and binned lies along the surface's axes, which are right-handed.
+        if !to.is_mirrored() {
+            assert_eq!(here.faces, there.faces, "{name}");
             let apart = points(&here).zip(back()).map(|(p, q)| p.distance(q)).fold(0.0, f64::max);
             println!("apart {apart:.1e}");
-            assert!(apart < 1e-13, "{apart}");
+            assert!(apart < if scale == 4.0 { 1e-13 } else { 1e-6 }, "{name}: {apart}");
         }
     }
 }

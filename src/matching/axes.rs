@@ -1,0 +1,79 @@
+//! The principal axes of a surface: directions that move with it, so that what is thinned into cells or
+//! turned into bins by them moves with it, too.
+
+use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, SymmetricEigen};
+
+/// Three right-handed unit axes as columns, that of the greatest spread of the area first; the first two
+/// point to where the surface reaches farther. Any three where there is no area or too much of it.
+pub fn principal_axes(positions: &[DVec3], faces: &[[u32; 3]]) -> DMat3 {
+    let parts = || {
+        faces.iter().map(|f| {
+            let [a, b, c] = f.map(|v| positions[v as usize]);
+            (0.5 * (b - a).cross(c - a).length(), (a + b + c) / 3.0)
+        })
+    };
+    let (area, sum) = parts().fold((0.0, DVec3::ZERO), |s, (w, p)| (s.0 + w, s.1 + w * p));
+    let mean = sum / area;
+    let spread = parts().fold(DMat3::ZERO, |s, (w, p)| {
+        let d = p - mean;
+        s + w * DMat3::from_cols(d.x * d, d.y * d, d.z * d)
+    });
+    if !spread.is_finite() {
+        return DMat3::IDENTITY;
+    }
+    let eigen = SymmetricEigen::new(Matrix3::from_column_slice(&spread.to_cols_array()));
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+    let axis = |k: usize| {
+        let column = eigen.eigenvectors.column(order[k]);
+        let axis = DVec3::new(column[0], column[1], column[2]).normalize_or_zero();
+        // The third moment says which end is which.
+        let skew: f64 = parts().map(|(w, p)| w * (p - mean).dot(axis).powi(3)).sum();
+        if skew < 0.0 {
+            -axis
+        } else {
+            axis
+        }
+    };
+    let (x, y) = (axis(0), axis(1));
+    let axes = DMat3::from_cols(x, y, x.cross(y));
+    if (axes.determinant() - 1.0).abs() < 1e-6 {
+        axes
+    } else {
+        DMat3::IDENTITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::source::tests::{hilly_source, some_transform};
+    use super::*;
+
+    #[test]
+    fn axes_move_with_the_surface() {
+        let source = hilly_source(30);
+        let axes = principal_axes(&source.positions, &source.faces);
+        assert!((axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, 1e-12));
+        let t = some_transform(false);
+        let moved: Vec<DVec3> = source.positions.iter().map(|&p| t.point(p)).collect();
+        let turned = principal_axes(&moved, &source.faces);
+        assert!(turned.abs_diff_eq(t.linear * axes, 1e-9), "{turned} {}", t.linear * axes);
+        assert!(!axes.abs_diff_eq(DMat3::IDENTITY, 0.1));
+    }
+
+    /// In the order of their spread, turned to the longer end.
+    #[test]
+    fn the_longest_axis_is_the_first() {
+        let corner = |x: f64, y: f64| DVec3::new(y, x, 0.0);
+        let p = [corner(0.0, 0.0), corner(9.0, 0.0), corner(0.0, 1.0), corner(-1.0, 0.5)];
+        let axes = principal_axes(&p, &[[0, 1, 2], [0, 2, 3]]);
+        assert!(axes.x_axis.y > 0.9 && axes.y_axis.x.abs() > 0.9, "{axes}");
+    }
+
+    #[test]
+    fn without_area_there_are_any_axes() {
+        assert_eq!(principal_axes(&[DVec3::ONE; 3], &[[0, 1, 2]]), DMat3::IDENTITY);
+        assert_eq!(principal_axes(&[], &[]), DMat3::IDENTITY);
+    }
+}
