@@ -98,11 +98,11 @@ class Carried:
 
     def texture(self, result):
         """What looks.set_texture asks for. Another material has another image: there is no source."""
+        if not self._uvs:
+            return None  # it will not ask
         places = texture.Places(result, self._arrays.vertices, self._arrays.triangles)
 
         def of_layer(name, materials):
-            if name not in self._uvs:
-                return (), ()
             serves = self._materials[places.first] == np.asarray(materials)[places.faces]
             return places.faces[serves], places.coordinates(*self._uvs[name])[serves]
 
