@@ -3,8 +3,8 @@
     ply.py colour IN OUT          gives each vertex a colour, unless it has one, a quality and a normal
                                   that depend on where it is; the normal is not the surface's
     ply.py plain IN OUT           positions and faces alone
-    ply.py texture IN OUT         an OBJ of it with texture coordinates around the z axis, whose one chart
-                                  meets itself
+    ply.py texture IN OUT         an OBJ of it with texture coordinates around the y axis in two charts,
+                                  one above the other, each of which meets itself
     ply.py compare A B [OLD]      positions to the bit, faces up to which corner is first, and, where
                                   both files have them, colours within 1 and qualities within 0.0001 of
                                   their range; with OLD, also that A has the vertices and faces of OLD
@@ -121,18 +121,21 @@ def plain(path, out):
 
 def texture(path, out):
     mesh = Mesh(path)
-    turn = [math.atan2(y, x) / (2 * math.pi) for x, y, _ in mesh.points]
-    rows = {}  # once round, another row
+    turn = [math.atan2(z, x) / (2 * math.pi) for x, _, z in mesh.points]
+    middle = sum(y for _, y, _ in mesh.points) / len(mesh.points)
+    rows = {}  # once round, and in the other chart, another row
     with open(out, "w") as f:
         for p in mesh.points:
             f.write("v %r %r %r\n" % p)
         for face in mesh.faces:
             low = min(turn[v] for v in face)
-            keys = [(v, turn[v] + (turn[v] - low < -0.5) - (turn[v] - low > 0.5)) for v in face]
+            # Less than the size of a face: that they lie near each other does not make them one.
+            jump = 0.002 * (sum(mesh.points[v][1] for v in face) / 3 > middle)
+            keys = [(v, turn[v] - (turn[v] - low > 0.5) + jump, jump) for v in face]
             for key in keys:
                 if key not in rows:
                     rows[key] = len(rows) + 1
-                    f.write("vt %.6f %.6f\n" % (key[1], mesh.points[key[0]][2]))
+                    f.write("vt %.6f %.6f\n" % (key[1], mesh.points[key[0]][1]))
             f.write("f " + " ".join("%d/%d" % (key[0] + 1, rows[key]) for key in keys) + "\n")
 
 
