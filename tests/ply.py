@@ -1,7 +1,8 @@
 """Reads, colours and compares PLY files for the tests of the hosts; needs nothing but Python 3.
 
     ply.py colour IN OUT          gives each vertex a colour, unless it has one, a quality and a normal
-                                  that depend on where it is; the normal is not the surface's
+                                  that depend on where it is, or on its colour if it had one; the normal
+                                  is not the surface's
     ply.py plain IN OUT           positions and faces alone
     ply.py texture IN OUT         an OBJ of it with texture coordinates around the y axis in two charts,
                                   one above the other, each of which meets itself
@@ -98,12 +99,13 @@ def colour(path, out):
         f.write(b"element face %d\nproperty list uchar int vertex_indices\nend_header\n"
                 % len(mesh.faces))
         for i, p in enumerate(mesh.points):
-            rgb = [int(20 + 200 * (x - a) / (b - a)) for x, a, b in zip(p, low, high)]
+            rgb, quality = [int(20 + 200 * (x - a) / (b - a)) for x, a, b in zip(p, low, high)], p[2]
             if mesh.colours:
                 rgb = mesh.colours[i]
+                quality = sum(rgb) / 765
             axis = [0.0, 0.0, 0.0]
             axis[int(1000 * abs(p[0])) % 3] = 1.0
-            f.write(struct.pack("<6f4Bf", *p, *axis, *rgb, 255, p[2]))
+            f.write(struct.pack("<6f4Bf", *p, *axis, *rgb, 255, quality))
         for face in mesh.faces:
             f.write(struct.pack("<B3i", 3, *face))
 

@@ -8,6 +8,8 @@ import numpy as np
 from . import values
 from .spread import Spread
 
+# Python sees no booleans in old versions.
+LABELS = ("int", "string", "bool")
 COMPLETED, SOURCE, CONFIDENCE = "completed", "completion_source", "completion_confidence"
 
 
@@ -46,19 +48,21 @@ def copy_from_rim(fill):
         labels = [at_rim[i] for i in fill.spread.nearest()] + at_rim
         for loop, row in fill.corners():
             loop[layer] = labels[row]
+    # Not by copy_from: in Blender 5.0 the face that has been copied to is no longer known.
+    layers = list(_labels(fill.bm.faces.layers, (*LABELS, *values.LAYERS.values())))
     known = [face for vertex in fill.rim for face in vertex.link_faces if fill.is_old(face)]
-    reached = set(known)
+    reached = {face.index for face in known}
     for face in known:  # which grows: the new faces behind
         for other in (f for edge in face.edges for f in edge.link_faces):
-            if other not in reached and not fill.is_old(other):
-                reached.add(other)
+            if other.index not in reached and not fill.is_old(other):
+                reached.add(other.index)
                 known.append(other)
-                other.copy_from(face)
-                other.hide = False
+                for layer in layers:
+                    other[layer] = face[layer]
 
 
-def _labels(layers):
-    for kind in ("int", "string", "bool"):  # Python sees no booleans in old versions
+def _labels(layers, kinds=LABELS):
+    for kind in kinds:
         for name, layer in getattr(layers, kind).items() if hasattr(layers, kind) else ():
             if name not in (COMPLETED, SOURCE) and not name.startswith("."):
                 yield layer
