@@ -45,9 +45,10 @@ name=libcomplete_mesh
 # The soname carries the ABI's number, the file the ABI's and the package's.
 file=$name.so.$abi.$version
 
-install -d "$to/include" "$lib/pkgconfig" "$lib/cmake/complete_mesh"
+install -d "$to/include/complete_mesh" "$lib/pkgconfig" "$lib/cmake/complete_mesh"
 install -m 644 "$header" "$root"/bindings/cpp/*.hpp "$root"/bindings/openmesh/*.hpp \
   "$to/include"
+install -m 644 "$root"/bindings/cpp/complete_mesh/*.hpp "$to/include/complete_mesh"
 # A release build keeps line numbers for profiles; they are nine tenths of it.
 strip=${STRIP:-strip}
 "$strip" --strip-debug -o "$lib/$name.a" "$from/$name.a"

@@ -1,17 +1,23 @@
 """Reads, colours and compares PLY files for the tests of the hosts; needs nothing but Python 3.
 
-    ply.py colour IN OUT          gives each vertex a colour, a quality and a normal that depend on where
-                                  it is; the normal is not the surface's
+    ply.py colour IN OUT          gives each vertex a colour, unless it has one, a quality and a normal
+                                  that depend on where it is, or on its colour if it had one; the normal
+                                  is not the surface's
+    ply.py plain IN OUT           positions and faces alone
+    ply.py texture IN OUT         an OBJ of it with texture coordinates around the y axis in two charts,
+                                  one above the other, each of which meets itself
     ply.py compare A B [OLD]      positions to the bit, faces up to which corner is first, and, where
-                                  both files have colours, those within 1; with OLD, also that A has
-                                  the vertices and faces of OLD first, in order
+                                  both files have them, colours within 1 and qualities within 0.0001 of
+                                  their range; with OLD, also that A has the vertices and faces of OLD
+                                  first, in order, and colours if OLD has some
     ply.py carried A OLD          qualities and normals of OLD are A's, to the bit; new qualities are
                                   between those of OLD, new normals have length 1
     ply.py normals A B            normals agree in their directions, within 0.001
-    ply.py colouring KIND A P OLD colours of A's new vertices are those of its kind (source, provenance,
+    ply.py colouring KIND A P OLD colours of A's new vertices are those of its kind (provenance,
                                   confidence) by the provenance in P, a file of the command line
 """
 
+import math
 import struct
 import sys
 
@@ -92,13 +98,47 @@ def colour(path, out):
         f.write(b"property float quality\n")
         f.write(b"element face %d\nproperty list uchar int vertex_indices\nend_header\n"
                 % len(mesh.faces))
-        for p in mesh.points:
-            rgb = (int(20 + 200 * (x - a) / (b - a)) for x, a, b in zip(p, low, high))
+        for i, p in enumerate(mesh.points):
+            rgb, quality = [int(20 + 200 * (x - a) / (b - a)) for x, a, b in zip(p, low, high)], p[2]
+            if mesh.colours:
+                rgb = mesh.colours[i]
+                quality = sum(rgb) / 765
             axis = [0.0, 0.0, 0.0]
             axis[int(1000 * abs(p[0])) % 3] = 1.0
-            f.write(struct.pack("<6f4Bf", *p, *axis, *rgb, 255, p[2]))
+            f.write(struct.pack("<6f4Bf", *p, *axis, *rgb, 255, quality))
         for face in mesh.faces:
             f.write(struct.pack("<B3i", 3, *face))
+
+
+def plain(path, out):
+    mesh = Mesh(path)
+    with open(out, "wb") as f:
+        f.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(mesh.points))
+        f.write(b"".join(b"property float %c\n" % c for c in b"xyz"))
+        f.write(b"element face %d\nproperty list uchar int vertex_indices\nend_header\n"
+                % len(mesh.faces))
+        f.write(b"".join(bits(p) for p in mesh.points))
+        f.write(b"".join(struct.pack("<B3i", 3, *face) for face in mesh.faces))
+
+
+def texture(path, out):
+    mesh = Mesh(path)
+    turn = [math.atan2(z, x) / (2 * math.pi) for x, _, z in mesh.points]
+    middle = sum(y for _, y, _ in mesh.points) / len(mesh.points)
+    rows = {}  # once round, and in the other chart, another row
+    with open(out, "w") as f:
+        for p in mesh.points:
+            f.write("v %r %r %r\n" % p)
+        for face in mesh.faces:
+            low = min(turn[v] for v in face)
+            # Less than the size of a face: that they lie near each other does not make them one.
+            jump = 0.002 * (sum(mesh.points[v][1] for v in face) / 3 > middle)
+            keys = [(v, turn[v] - (turn[v] - low > 0.5) + jump, jump) for v in face]
+            for key in keys:
+                if key not in rows:
+                    rows[key] = len(rows) + 1
+                    f.write("vt %.6f %.6f\n" % (key[1], mesh.points[key[0]][1]))
+            f.write("f " + " ".join("%d/%d" % (key[0] + 1, rows[key]) for key in keys) + "\n")
 
 
 def compare(path_a, path_b, old_path=None):
@@ -115,14 +155,19 @@ def compare(path_a, path_b, old_path=None):
                  if max(abs(x - y) for x, y in zip(c, d)) > 1]
         assert not wrong, f"{len(wrong)} colours differ, the first is vertex {wrong[0]}: " \
             f"{a.colours[wrong[0]]} and {b.colours[wrong[0]]}"
+    if "quality" in a.columns and "quality" in b.columns:
+        q, r = a.columns["quality"], b.columns["quality"]
+        wrong = [i for i, (x, y) in enumerate(zip(q, r)) if abs(x - y) > 1e-4 * (max(r) - min(r))]
+        assert not wrong, f"{len(wrong)} qualities differ, the first is vertex {wrong[0]}: " \
+            f"{q[wrong[0]]} and {r[wrong[0]]}"
     if old_path:
         old = Mesh(old_path)
         n, m = len(old.points), len(old.faces)
         assert n < len(a.points) and m < len(a.faces), "nothing is new"
         assert list(map(bits, old.points)) == list(map(bits, a.points[:n]))
         assert list(map(turned, old.faces)) == list(map(turned, a.faces[:m]))
-        if old.colours and a.colours:
-            assert old.colours == a.colours[:n]
+        if old.colours:
+            assert a.colours and old.colours == a.colours[:n]
     print(f"{len(a.points)} vertices, {len(a.faces)} faces agree")
 
 
@@ -178,19 +223,14 @@ def colouring(kind, path, provenance_path, old_path):
         if kind == "confidence":
             expected = ramp(p.columns["confidence"][i])
         elif source < 0:
-            expected = (150, 150, 150) if kind == "provenance" else None
-        elif kind == "provenance":
+            expected = (150, 150, 150)
+        else:
             expected = PALETTE[source % len(PALETTE)]  # one hole
             if face >= 0:
                 places.update(old.faces[face])
-        else:
-            u, v = p.columns["source_u"][i], p.columns["source_v"][i]
-            corners = [old.colours[v] for v in old.faces[face]]
-            expected = [(1 - u - v) * x + u * y + v * z for x, y, z in zip(*corners)]
-        if expected is not None:
-            checked += 1
-            assert max(abs(x - y) for x, y in zip(a.colours[i], expected)) <= 1.01, \
-                f"vertex {i} has {a.colours[i]} and should have {expected}"
+        checked += 1
+        assert max(abs(x - y) for x, y in zip(a.colours[i], expected)) <= 1.01, \
+            f"vertex {i} has {a.colours[i]} and should have {expected}"
     assert checked > 10
     assert kind != "provenance" or places
     for i in range(n):
@@ -201,6 +241,6 @@ def colouring(kind, path, provenance_path, old_path):
 
 
 if __name__ == "__main__":
-    commands = {"colour": colour, "compare": compare, "carried": carried,
+    commands = {"colour": colour, "plain": plain, "texture": texture, "compare": compare, "carried": carried,
                 "normals": normals, "colouring": colouring}
     commands[sys.argv[1]](*sys.argv[2:])

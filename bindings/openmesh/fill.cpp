@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //
-// Fills the holes of a mesh file through OpenMesh: reads and writes what OpenMesh reads and writes.
+// Fills the holes of a mesh file through OpenMesh: reads and writes what OpenMesh reads and writes. Colours
+// are completed with the shape and steer the search, as in the command line.
 //
-//   fill_openmesh IN OUT [--double] [--smooth] [--colours-from-source]
+//   fill_openmesh IN OUT [--double] [--smooth] [--colours-from-rim]
 #include <OpenMesh/Core/IO/MeshIO.hh>  // before the mesh types
 
 #include <complete_mesh_openmesh.hpp>
@@ -35,6 +36,7 @@ int run(const Request& request) {
     std::fprintf(stderr, "cannot read %s\n", request.in.c_str());
     return 3;
   }
+  if (!has.vertex_has_color()) mesh.release_vertex_colors();
   try {
     const auto fill = mc::openmesh::complete(mesh, request.options, request.extras);
     std::printf("%zu holes filled, %zu new vertices, %zu new faces\n", fill.result.filled_count(),
@@ -57,19 +59,20 @@ int run(const Request& request) {
 
 int main(int argc, char** argv) {
   Request request;
+  request.extras.colours = mc::openmesh::Colours::with_shape;
   bool is_double = false, bad = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--double") is_double = true;
     else if (argument == "--smooth") request.options.method = mc::Method::smooth;
-    else if (argument == "--colours-from-source")
-      request.extras.colours = mc::openmesh::Colours::from_source;
+    else if (argument == "--colours-from-rim")
+      request.extras.colours = mc::openmesh::Colours::from_rim;
     else if (request.in.empty()) request.in = argument;
     else if (request.out.empty()) request.out = argument;
     else bad = true;
   }
   if (bad || request.out.empty()) {
-    std::fprintf(stderr, "usage: fill_openmesh IN OUT [--double] [--smooth] [--colours-from-source]\n");
+    std::fprintf(stderr, "usage: fill_openmesh IN OUT [--double] [--smooth] [--colours-from-rim]\n");
     return 2;
   }
   return is_double ? run<OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>>(request)

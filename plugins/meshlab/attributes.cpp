@@ -49,7 +49,33 @@ vcg::Color4b ramp(double confidence) {
           static_cast<unsigned char>(t < 0.5 ? 400 * t : 200), 40, 255};
 }
 
+unsigned char byte(double value) {
+  return static_cast<unsigned char>(std::lround(std::min(std::max(value, 0.0), 255.0)));
+}
+
+// Which values a layer gives: red, green, blue and alpha, and quality.
+struct Given {
+  bool color, quality;
+  Given(const MeshModel& model, Coloring coloring)
+      : color(coloring != Coloring::rim && model.hasDataMask(MeshModel::MM_VERTCOLOR)),
+        quality(model.hasDataMask(MeshModel::MM_VERTQUALITY)) {}
+};
+
 }  // namespace
+
+void give_values(const MeshModel& model, Coloring coloring, mc::Options& options) {
+  const Given given(model, coloring);
+  options.value_channels = (given.color ? 4 : 0) + (given.quality ? 1 : 0);
+  options.steering_channels = given.color ? 3 : 0;
+  if (!options.value_channels) return;
+  for (const CVertexO& vertex : model.cm.vert) {
+    const vcg::Color4b color = vertex.cC();
+    for (int k = 0; given.color && k < 4; ++k) options.vertex_values.push_back(color[k]);
+    // A quality that is no number is none.
+    const double quality = double(vertex.cQ());
+    if (given.quality) options.vertex_values.push_back(std::isfinite(quality) ? quality : 0);
+  }
+}
 
 Attributes::Attributes(const MeshModel& model, const mc::Result<Scalarm>& result,
                        const Faces& faces)
@@ -68,12 +94,13 @@ void Attributes::apply(MeshModel& model, Coloring coloring) const {
   CMeshO& mesh = model.cm;
   const bool had_color = model.hasDataMask(MeshModel::MM_VERTCOLOR);
   const bool by_result = coloring == Coloring::provenance || coloring == Coloring::confidence;
+  carry_from_rim(model);
+  take_values(model, coloring);
   if (by_result && !had_color) {
     model.updateDataMask(MeshModel::MM_VERTCOLOR);
     for (CVertexO& vertex : mesh.vert) vertex.C() = plain;
   }
   set_normals(mesh);
-  carry(model, coloring == Coloring::source);
   copy_face_attributes(model);
   if (coloring == Coloring::provenance) color_provenance(mesh);
   if (coloring == Coloring::confidence) color_confidence(mesh);
@@ -92,24 +119,31 @@ void Attributes::set_normals(CMeshO& mesh) const {
   for (const std::uint32_t v : vertices) mesh.vert[v].N() = normals[v];
 }
 
-// Color and quality of the vertices, from the rim or from the source.
-void Attributes::carry(MeshModel& model, bool from_source) const {
+// Color and quality of the vertices, from the rim.
+void Attributes::carry_from_rim(MeshModel& model) const {
   CMeshO& mesh = model.cm;
-  const auto get = [&mesh](std::uint32_t v) {
+  const auto rows = carrier_.from_rim<5>([&mesh](std::uint32_t v) {
     const CVertexO& vertex = mesh.vert[v];
     const vcg::Color4b color = vertex.cC();
     return std::array<double, 5>{double(color[0]), double(color[1]), double(color[2]),
                                  double(color[3]), double(vertex.cQ())};
-  };
-  const auto corners = [this](std::uint32_t f) { return faces_[f]; };
-  const auto rows = from_source ? carrier_.from_source<5>(result_, get, corners)
-                                : carrier_.from_rim<5>(get);
+  });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     CVertexO& vertex = mesh.vert[result_.input_vertex_count() + i];
-    for (int k = 0; k < 4; ++k)
-      vertex.C()[k] = static_cast<unsigned char>(
-          std::lround(std::min(std::max(rows[i][std::size_t(k)], 0.0), 255.0)));
+    for (int k = 0; k < 4; ++k) vertex.C()[k] = byte(rows[i][std::size_t(k)]);
     vertex.Q() = Scalarm(rows[i][4]);
+  }
+}
+
+// Those that came back with the shape.
+void Attributes::take_values(MeshModel& model, Coloring coloring) const {
+  const Given given(model, coloring);
+  const auto values = result_.new_vertex_values();
+  const double* value = values.begin();
+  for (std::size_t v = result_.input_vertex_count(); v < model.cm.vert.size() && value; ++v) {
+    CVertexO& vertex = model.cm.vert[v];
+    for (int k = 0; given.color && k < 4; ++k) vertex.C()[k] = byte(*value++);
+    if (given.quality) vertex.Q() = Scalarm(*value++);
   }
 }
 

@@ -9,7 +9,11 @@
 #include "fill.h"
 
 // In the order of the filter's parameter.
-enum class Coloring { rim = 0, source = 1, provenance = 2, confidence = 3 };
+enum class Coloring { shape = 0, rim = 1, provenance = 2, confidence = 3 };
+
+// Color and quality of the vertices of a layer as far as it has them, as values that are completed with
+// the shape; the color steers.
+void give_values(const MeshModel& model, Coloring coloring, mesh_completion::Options& options);
 
 class Attributes {
  public:
@@ -23,7 +27,8 @@ class Attributes {
 
  private:
   void set_normals(CMeshO& mesh) const;
-  void carry(MeshModel& model, bool from_source) const;
+  void carry_from_rim(MeshModel& model) const;
+  void take_values(MeshModel& model, Coloring coloring) const;
   void copy_face_attributes(MeshModel& model) const;
   void color_provenance(CMeshO& mesh) const;
   void color_confidence(CMeshO& mesh) const;

@@ -182,12 +182,14 @@ Outcome fill_holes(MeshModel& model, const RichParameterList& parameters,
     options.selection = mc::Selection::ids;
     options.selection_ids = choose_holes(mesh, completer->holes(), max_size, selected);
   }
+  const auto coloring = Coloring(parameters.getEnum("Color"));
+  give_values(model, coloring, options);
   const auto result = completer->try_complete(options);
   if (!result) return failed(mesh, result.failure());
 
   const Attributes attributes(model, *result, faces);
   add_elements(mesh, *result);
-  attributes.apply(model, Coloring(parameters.getEnum("Color")));
+  attributes.apply(model, coloring);
   update_topology(model);
   if (parameters.getBool("NewFaceSelected")) {
     UpdateSelection<CMeshO>::FaceClear(mesh);

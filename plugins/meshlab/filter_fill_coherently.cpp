@@ -60,11 +60,12 @@ void FilterFillCoherently::add_parameters(const MeshModel& model, RichParameterL
                                "the others are closed."));
   parameters.addParam(
       RichEnum("Color", 0,
-               QStringList() << "From the rim" << "From the source" << "By provenance"
+               QStringList() << "With the shape" << "From the rim" << "By provenance"
                              << "By confidence",
                "Color of the new vertices",
-               "From the rim: the rim's colors are continued. From the source: colors of the place "
-               "that a vertex was copied from. (Both only if the mesh has vertex colors.) By "
+               "With the shape: colors help to find the place that is copied, and are copied with its "
+               "shape as far as the surroundings bear them out. From the rim: the rim's colors are "
+               "continued, and the shape alone decides. (Both only if the mesh has vertex colors.) By "
                "provenance: each source of a fill has a color, and so has its place on the object. By "
                "confidence: from red (invention) over yellow (plausible) to green (convincing)."));
 }

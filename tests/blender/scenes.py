@@ -3,6 +3,7 @@ as arrays to compare."""
 
 import bpy
 import numpy as np
+from mathutils import Color
 
 AROUND, UP, FLUTES = 60, 48, 12
 # Holes: angle, height and radius.
@@ -116,6 +117,30 @@ def triangles(mesh):
     mesh.calc_loop_triangles()
     rows = [tuple(triangle.vertices) for triangle in mesh.loop_triangles]
     return np.array(rows, np.int32), np.array([t.polygon_index for t in mesh.loop_triangles])
+
+
+def values(mesh):
+    """What a mesh's attributes give the library: rows of the vertices, the active colour first, and
+    (name, how many numbers) of each; written down without foreach_get. Bytes are 0 to 255, in sRGB."""
+    columns, names = [], []
+    active = mesh.color_attributes.active_color.name if mesh.color_attributes else None
+    kinds = {"FLOAT": "value", "FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
+    own = [a for a in mesh.attributes if a.data_type in kinds and a.domain in ("POINT", "CORNER")]
+    own = [a for a in own if a.name != "position" and not a.name.startswith((".", "completion"))]
+    for attribute in sorted(own, key=lambda a: ("COLOR" not in a.data_type, a.name != active)):
+        rows = [getattr(element, kinds[attribute.data_type]) for element in attribute.data]
+        rows = [[row] if isinstance(row, float) else list(row) for row in rows]
+        if attribute.data_type == "BYTE_COLOR":
+            shown = [[*Color(row[:3]).from_scene_linear_to_srgb(), row[3]] for row in rows]
+            rows = [[float(round(255 * x)) for x in row] for row in shown]
+        if attribute.domain == "CORNER":
+            of_vertex = [[] for _ in mesh.vertices]
+            for loop, row in zip(mesh.loops, rows):
+                of_vertex[loop.vertex_index].append(row)
+            rows = [[sum(x) / len(x) for x in zip(*own)] for own in of_vertex]
+        columns.append(np.array(rows))
+        names.append((attribute.name, len(rows[0])))
+    return (np.concatenate(columns, 1), names) if columns else (None, names)
 
 
 FIELDS = {

@@ -11,9 +11,16 @@ def fill(**options):
     return bpy.ops.mesh.fill_hole_coherently(**options)
 
 
-def reference(ob, **options):
-    """What the library makes of the same mesh, and the polygon of each triangle."""
-    faces, polygons = scenes.triangles(ob.data)
+def reference(ob, steering=3, **options):
+    """What the library makes of the same mesh and what it carries, and the polygon of each triangle."""
+    if ob.mode == "EDIT":
+        ob.update_from_editmode()
+    mesh = ob.data.copy()  # in Edit Mode a mesh's attributes are empty
+    faces, polygons = scenes.triangles(mesh)
+    rows, names = scenes.values(mesh)
+    if rows is not None and "vertex_values" not in options:
+        options |= {"vertex_values": rows, "steering_channels": steering if names[0][1] == 4 else 0}
+    bpy.data.meshes.remove(mesh)
     return complete_mesh(scenes.positions(ob.data), faces, **options), polygons
 
 

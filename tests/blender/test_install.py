@@ -54,7 +54,9 @@ def test_fills():
     ob = scenes.column()
     before = scenes.snapshot(ob)
     faces, _ = scenes.triangles(ob.data)
-    result = package.complete_mesh(scenes.positions(ob.data), faces)
+    rows, _ = scenes.values(ob.data)
+    carried = {"vertex_values": rows, "steering_channels": 3}
+    result = package.complete_mesh(scenes.positions(ob.data), faces, **carried)
     check("fills", bpy.ops.mesh.fill_hole_coherently() == {"FINISHED"})
     check("what was there is as it was", not scenes.kept(before, scenes.snapshot(ob)))
     places = scenes.positions(ob.data)[len(before["positions"]) :]

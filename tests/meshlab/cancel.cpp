@@ -78,7 +78,7 @@ RichParameterList defaults() {
   list.addParam(RichEnum("Method", 1, QStringList() << "Coherent" << "Smooth", "", ""));
   list.addParam(RichFloat("EdgeScale", 1, "", ""));
   list.addParam(RichBool("SkipUnsafe", false, "", ""));
-  list.addParam(RichEnum("Color", 0, QStringList() << "From the rim", "", ""));
+  list.addParam(RichEnum("Color", 0, QStringList() << "With the shape", "", ""));
   return list;
 }
 

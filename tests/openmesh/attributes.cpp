@@ -7,11 +7,6 @@
 
 namespace {
 
-template <class Mesh>
-constexpr std::size_t colour_size = OpenMesh::vector_traits<typename Mesh::Color>::size_;
-template <class Mesh>
-constexpr bool colours_are_bytes = sizeof(typename OpenMesh::vector_traits<typename Mesh::Color>::value_type) == 1;
-
 // Each new vertex is the mean of its neighbours, up to the rounding of bytes.
 template <class Mesh>
 void colours_from_rim(const Mesh& mesh, const om::Fill<Mesh>& fill) {

@@ -123,6 +123,35 @@ void check_exemplar() {
   CHECK(wrong == 0);
 }
 
+// A grey mesh whose exemplar is brighter: at the rim what is known there, farther in what the exemplar
+// has, as it comes from the library and not from the rim.
+template <class Mesh>
+void check_colours_of_exemplar() {
+  using Component = typename OpenMesh::vector_traits<typename Mesh::Color>::value_type;
+  const double unit = colours_are_bytes<Mesh> ? 255 : 1, grey = 0.4 * unit, bright = 0.8 * unit;
+  typename Mesh::Color colour;
+  for (std::size_t c = 0; c < colour_size<Mesh>; ++c) colour[c] = static_cast<Component>(grey);
+  Mesh mesh = Damaged<Mesh>().mesh;
+  for (const auto v : mesh.all_vertices()) mesh.set_color(v, colour);
+  static struct whole_ball whole;
+  make_whole_ball(&whole);
+  move_away(&whole, 0);
+  mc::Options options;
+  options.exemplar = mc::surface(whole.vertices, whole.faces);
+  options.exemplar_only = true;
+  options.exemplar_values.assign(colour_size<Mesh> * WHOLE_VERTICES, bright);
+  om::Extras extras;
+  extras.colours = om::Colours::with_shape;
+  const auto fill = om::complete(mesh, options, extras);
+  double least = unit, most = 0;
+  for (const VertexHandle v : fill.vertices)
+    for (std::size_t c = 0; c < colour_size<Mesh>; ++c) {
+      least = std::min(least, static_cast<double>(mesh.color(v)[c]));
+      most = std::max(most, static_cast<double>(mesh.color(v)[c]));
+    }
+  CHECK(least > grey - 0.01 * unit && most > grey + 0.05 * unit && most < bright + 0.01 * unit);
+}
+
 }  // namespace
 
 template <class Mesh>
@@ -130,6 +159,7 @@ void test_sources() {
   check_source_faces<Mesh>();
   check_initial<Mesh>();
   check_exemplar<Mesh>();
+  check_colours_of_exemplar<Mesh>();
 }
 
 template void test_sources<FloatMesh>();

@@ -28,6 +28,11 @@ using DoubleMesh = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
 
 // A custom property of each kind of element, as an application has them.
 template <class Mesh>
+inline constexpr std::size_t colour_size = OpenMesh::vector_traits<typename Mesh::Color>::size_;
+template <class Mesh>
+inline constexpr bool colours_are_bytes = sizeof(typename OpenMesh::vector_traits<typename Mesh::Color>::value_type) == 1;
+
+template <class Mesh>
 struct Custom {
   OpenMesh::VPropHandleT<int> label;
   OpenMesh::FPropHandleT<std::string> material;

@@ -98,36 +98,10 @@ def complete_mesh(
         Cancelled: progress returned something true.
         TypeError, ValueError: an argument cannot be.
     """
-    whole_mesh = _is_whole(output)
-    lib, mesh = library(), Mesh(vertices, faces)
-    call = Call(
-        lib,
-        mesh,
-        method=method,
-        fairing=fairing,
-        sizing=sizing,
-        sizing_value=sizing_value,
-        grouping=grouping,
-        join_vertices=join_vertices,
-        selection=selection,
-        selection_ids=selection_ids,
-        selection_max_edges=selection_max_edges,
-        selection_length=selection_length,
-        selection_point=selection_point,
-        skip_unsafe=skip_unsafe,
-        source_faces=source_faces,
-        exemplar_vertices=exemplar_vertices,
-        exemplar_faces=exemplar_faces,
-        exemplar_only=exemplar_only,
-        unmirrored=unmirrored,
-        initial_vertices=initial_vertices,
-        initial_faces=initial_faces,
-        vertex_values=vertex_values,
-        exemplar_values=exemplar_values,
-        steering_channels=steering_channels,
-        threads=threads,
-        progress=progress,
-    )
+    options = dict(locals())
+    whole_mesh = _is_whole(options.pop("output"))
+    lib, mesh = library(), Mesh(options.pop("vertices"), options.pop("faces"))
+    call = Call(lib, mesh, **options)
     handle = call.run(lib.complete, lib.result_free, *mesh.arguments())
     try:
         return Result(lib, handle, mesh, call.options.value_channels, whole_mesh)
@@ -153,19 +127,9 @@ def list_holes(
     Arguments and errors are those of `complete_mesh`. Holes outside the selection are listed with
     the status "not_selected".
     """
-    lib, mesh = library(), Mesh(vertices, faces)
-    call = Call(
-        lib,
-        mesh,
-        grouping=grouping,
-        join_vertices=join_vertices,
-        selection=selection,
-        selection_ids=selection_ids,
-        selection_max_edges=selection_max_edges,
-        selection_length=selection_length,
-        selection_point=selection_point,
-        progress=progress,
-    )
+    options = dict(locals())
+    lib, mesh = library(), Mesh(options.pop("vertices"), options.pop("faces"))
+    call = Call(lib, mesh, **options)
     handle = call.run(lib.find_holes, lib.holes_free, *mesh.arguments())
     try:
         return Holes(lib, handle)
@@ -233,33 +197,10 @@ class Completer:
         progress: Optional[Progress] = None,
     ) -> Result:
         """Fills holes of the mesh; the same as `complete_mesh` with the same options."""
-        whole_mesh = _is_whole(output)
-        call = Call(
-            self._lib,
-            self._mesh,
-            method=method,
-            fairing=fairing,
-            sizing=sizing,
-            sizing_value=sizing_value,
-            selection=selection,
-            selection_ids=selection_ids,
-            selection_max_edges=selection_max_edges,
-            selection_length=selection_length,
-            selection_point=selection_point,
-            skip_unsafe=skip_unsafe,
-            source_faces=source_faces,
-            exemplar_vertices=exemplar_vertices,
-            exemplar_faces=exemplar_faces,
-            exemplar_only=exemplar_only,
-            unmirrored=unmirrored,
-            initial_vertices=initial_vertices,
-            initial_faces=initial_faces,
-            vertex_values=vertex_values,
-            exemplar_values=exemplar_values,
-            steering_channels=steering_channels,
-            threads=threads,
-            progress=progress,
-        )
+        options = dict(locals())
+        del options["self"]
+        whole_mesh = _is_whole(options.pop("output"))
+        call = Call(self._lib, self._mesh, **options)
         handle = call.run(
             self._lib.completer_complete, self._lib.result_free, self._handle
         )

@@ -119,7 +119,9 @@ def complete_points(
 
     The other arguments, and the errors, are those of `complete_mesh`, vertices being points.
     """
-    lib, cloud = library(), Mesh(points, _NO_FACES)
+    options = dict(locals())
+    lib, cloud = library(), Mesh(options.pop("points"), _NO_FACES)
+    normals = options.pop("normals")
     given = None
     if normals is not None:
         given = np.ascontiguousarray(normals, dtype=cloud.vertices.dtype)
@@ -127,31 +129,7 @@ def complete_points(
             raise ValueError(
                 f"normals have the shape {given.shape}, but points {cloud.vertices.shape}"
             )
-    call = Call(
-        lib,
-        cloud,
-        method=method,
-        fairing=fairing,
-        sizing=sizing,
-        sizing_value=sizing_value,
-        grouping=grouping,
-        join_vertices=join_vertices,
-        selection=selection,
-        selection_ids=selection_ids,
-        selection_max_edges=selection_max_edges,
-        selection_length=selection_length,
-        selection_point=selection_point,
-        skip_unsafe=skip_unsafe,
-        exemplar_vertices=exemplar_vertices,
-        exemplar_faces=exemplar_faces,
-        exemplar_only=exemplar_only,
-        unmirrored=unmirrored,
-        vertex_values=vertex_values,
-        exemplar_values=exemplar_values,
-        steering_channels=steering_channels,
-        threads=threads,
-        progress=progress,
-    )
+    call = Call(lib, cloud, **options)
     address = given.ctypes.data if given is not None and len(given) else None
     handle = call.run(lib.points, lib.result_free, *cloud.arguments()[:2], address)
     try:

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's meshes to arrays and back. What was there stays as it is: the fill is added."""
 
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import bmesh
+import bpy
 import numpy as np
 
-from . import looks
+from . import looks, texture, values
 from .session import NothingToFill
 
 
@@ -44,6 +46,67 @@ def read(ob):
     return Arrays(
         vertices.reshape(-1, 3), triangles.reshape(-1, 3), polygons, selected, of_polygon[polygons]
     )
+
+
+@contextmanager
+def settled(ob):
+    """The object's mesh, or in Edit Mode, where Python cannot read a mesh's attributes, a copy."""
+    if ob.mode != "EDIT":
+        yield ob.data
+        return
+    ob.update_from_editmode()
+    copy = ob.data.copy()
+    try:
+        yield copy
+    finally:
+        bpy.data.meshes.remove(copy)
+
+
+class Carried:
+    """What the mesh carries beside its shape, read before it is filled."""
+
+    def __init__(self, ob, arrays, colours_steer, other=None):
+        """`other`: the object that is copied from, if it is another."""
+        self._arrays, self._uvs = arrays, {}
+        with settled(ob) as mesh:
+            attributes = values.read(mesh)
+            if mesh.uv_layers:
+                self._read_texture(mesh)
+        exemplar = None
+        if other is not None:
+            with settled(other) as mesh:
+                exemplar = values.read(mesh)
+        self.asked = values.ask(attributes, colours_steer, exemplar)
+
+    def _read_texture(self, mesh):
+        mesh.calc_loop_triangles()
+        loops = np.empty(len(mesh.loop_triangles) * 3, np.int32)
+        mesh.loop_triangles.foreach_get("loops", loops)
+        vertices, starts = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
+        mesh.loops.foreach_get("vertex_index", vertices)
+        mesh.polygons.foreach_get("loop_start", starts)
+        materials = np.empty(len(mesh.polygons), np.int32)
+        mesh.polygons.foreach_get("material_index", materials)
+        self._materials = materials[self._arrays.polygons[: len(mesh.loop_triangles)]]
+        loops = loops.reshape(-1, 3)
+        for layer in mesh.uv_layers:
+            uv = np.empty(len(mesh.loops) * 2, np.float32)
+            layer.data.foreach_get("uv", uv)
+            uv = np.nan_to_num(uv.reshape(-1, 2).astype(float))
+            charts = texture.charts(vertices, uv, starts)
+            self._uvs[layer.name] = uv[loops], charts[loops[:, 0]]
+
+    def texture(self, result):
+        """What looks.set_texture asks for. Another material has another image: there is no source."""
+        if not self._uvs:
+            return None  # it will not ask
+        places = texture.Places(result, self._arrays.vertices, self._arrays.triangles)
+
+        def of_layer(name, materials):
+            serves = self._materials[places.first] == np.asarray(materials)[places.faces]
+            return places.faces[serves], places.coordinates(*self._uvs[name])[serves]
+
+        return of_layer
 
 
 def group_sources(ob, arrays, name):
@@ -86,10 +149,9 @@ def object_sources(ob, arrays, other):
     }
 
 
-def add_fill(ob, result, polygons, write_attributes):
+def add_fill(ob, result, arrays, carried, write_attributes):
     """Adds the fill and selects it; gives the names of attributes that could not be written."""
     mesh, edit = ob.data, ob.mode == "EDIT"
-    spread = looks.Spread(result.new_faces, result.input_vertex_count, len(result.new_vertices))
     bm = bmesh.from_edit_mesh(mesh) if edit else bmesh.new()
     if not edit:
         bm.from_mesh(mesh)
@@ -97,14 +159,18 @@ def add_fill(ob, result, polygons, write_attributes):
     try:
         bm.verts.ensure_lookup_table()
         _deselect(bm)
-        missed = looks.make_layers(bm, mesh) if write_attributes else []
+        # Once they are there they must be right.
+        missed = looks.make_layers(bm, mesh) if write_attributes else looks.absent_layers(bm)
         vertices, faces = _add_elements(bm, result)
         bm.faces.ensure_lookup_table()
-        looks.match_rims(bm, result, vertices, faces)
-        looks.spread_layers(bm, spread, vertices, faces)
-        looks.spread_keys(bm, spread, vertices)
-        if write_attributes:
-            looks.write_attributes(bm, result, polygons, vertices, faces, missed)
+        fill = looks.Fill(bm, result, vertices, faces)
+        looks.copy_from_rim(fill)
+        looks.match_rims(fill, result)
+        looks.set_values(fill, values.rows_of(carried.asked, result))
+        looks.set_texture(fill, carried.texture(result))
+        looks.spread_weights(fill)
+        looks.spread_keys(fill)
+        looks.write_attributes(bm, result, arrays.polygons, vertices, faces, missed)
         for face in faces:
             face.select_set(True)
         bm.select_flush_mode()
@@ -118,7 +184,7 @@ def add_fill(ob, result, polygons, write_attributes):
             bm.free()
     if not edit:
         mesh.update()
-    return missed
+    return missed if write_attributes else []
 
 
 def select(ob, vertices, edges, polygons):

@@ -88,6 +88,12 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         description="Copy mirrored places, too. Off: for lettering, and whatever has a handedness",
         default=True,
     )
+    match_colors: BoolProperty(
+        name="Match Colors",
+        description="The active color attribute helps to find the place to copy from. Off: the shape "
+        "alone decides. Colors and other attributes are copied with the shape either way",
+        default=True,
+    )
     write_attributes: BoolProperty(
         name="Write Attributes",
         description="Keep in the mesh which faces are new (completed), and for each new vertex the "
@@ -118,6 +124,7 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         elif self.source == "OBJECT":
             layout.prop_search(self, "source_object", bpy.data, "objects")
         layout.prop(self, "mirror")
+        layout.prop(self, "match_colors")
         column = layout.column(heading="Holes")
         column.prop(self, "max_edges")
         column.prop(self, "keep_largest_open")
@@ -137,7 +144,8 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         )
 
     def _arguments(self, ob, arrays):
-        options = self._options()
+        """What session.fill takes, and what the mesh carries."""
+        options, other = self._options(), None
         if self.source == "GROUP":
             options.sources = mesh_data.group_sources(ob, arrays, self.source_group)
         elif self.source == "SELECTED":
@@ -146,15 +154,17 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         elif self.source == "OBJECT":
             other = bpy.data.objects.get(self.source_object)
             options.sources = mesh_data.object_sources(ob, arrays, other)
-        return arrays.vertices, arrays.triangles, arrays.selected, options
+        carried = mesh_data.Carried(ob, arrays, self.match_colors, other)
+        options.values = carried.asked.arguments
+        return (arrays.vertices, arrays.triangles, arrays.selected, options), carried
 
     def execute(self, context):
         """Blocks: for scripts, and for the redo panel, which has the mesh as it was before."""
         ob = context.active_object
         arrays = mesh_data.read(ob)
         try:
-            result = session.fill(*self._arguments(ob, arrays))
-            return self._finish(ob, arrays, result)
+            arguments, carried = self._arguments(ob, arrays)
+            return self._finish(ob, arrays, carried, session.fill(*arguments))
         except TROUBLES as error:
             return self._fail(context, ob, arrays, error)
 
@@ -165,7 +175,7 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         self._name, self._mode = ob.name, ob.mode
         self._arrays = mesh_data.read(ob)
         try:
-            arguments = self._arguments(ob, self._arrays)
+            arguments, self._carried = self._arguments(ob, self._arrays)
         except TROUBLES as error:
             return self._fail(context, ob, self._arrays, error)
         self._job = session.Job(*arguments)
@@ -217,16 +227,16 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         try:
             if self._job.error is not None:
                 raise self._job.error
-            return self._finish(ob, was, self._job.result)
+            return self._finish(ob, was, self._carried, self._job.result)
         except TROUBLES as error:
             return self._fail(context, ob, was, error)
 
-    def _finish(self, ob, arrays, result):
+    def _finish(self, ob, arrays, carried, result):
         if not result.filled_count:
             reasons = {hole.reason for hole in result.holes if hole.reason}
             self.report({"WARNING"}, f"No hole could be filled: {'; '.join(sorted(reasons))}")
             return {"CANCELLED"}
-        missed = mesh_data.add_fill(ob, result, arrays.polygons, self.write_attributes)
+        missed = mesh_data.add_fill(ob, result, arrays, carried, self.write_attributes)
         for name in missed:
             self.report({"WARNING"}, f"The mesh has another attribute {name}, which was left alone")
         for text in warnings(result.holes):

@@ -32,6 +32,8 @@ class Options:
     """Whether a selection that touches no hole chooses all."""
     sources: dict = field(default_factory=dict)
     """The library's source_faces, or exemplar_vertices and exemplar_faces: see mesh_data."""
+    values: dict = field(default_factory=dict)
+    """The library's vertex_values and what belongs to them: see values.py."""
 
     @property
     def grouping(self):
@@ -40,7 +42,7 @@ class Options:
     def arguments(self):
         """The library's own names for what the result depends on, beside the choice of holes."""
         arguments = {"method": self.method, "skip_unsafe": self.skip_unsafe}
-        arguments |= {"unmirrored": not self.mirror, **self.sources}
+        arguments |= {"unmirrored": not self.mirror, **self.sources, **self.values}
         if self.density != 1.0:
             # A density of 2 is twice as many vertices along an edge.
             arguments |= {"sizing": "scaled", "sizing_value": 1.0 / self.density}

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values that the rim has (weights, colours, texture coordinates), for the vertices of the fill."""
+"""Values that the rim has (weights, texture coordinates without a source, labels), for the vertices of the
+fill."""
 
 import numpy as np
 
@@ -50,6 +51,18 @@ class Spread:
             before, size = size, (rest**2).sum(axis=0)
             step = rest + size / np.maximum(before, 1e-300) * step
         return x + middle
+
+    def nearest(self):
+        """(new vertices,): the rim vertex that is the fewest edges away, an index into rim; for
+        labels: between 3 and 7 there is no 5."""
+        found, rim = np.full(self.count, -1), np.arange(len(self.rim))
+        while self.count:
+            around = np.maximum.reduceat(np.concatenate([found, rim])[self._neighbours], self._starts)
+            reached = (found < 0) & (around >= 0)
+            if not reached.any():
+                break
+            found[reached] = around[reached]
+        return found
 
     def _sum(self, new, rim):
         """For each new vertex the sum over its neighbours."""
