@@ -10,7 +10,7 @@
 use super::check::{Obstacles, Rounding};
 use super::initial::InitialFaces;
 use crate::error::Result;
-use crate::fill::fairing::{fair, fair_from, predict_hidden, Plate};
+use crate::fill::fairing::{fair, fair_both, fair_from, predict_hidden, Plate};
 use crate::fill::outline::Outline;
 use crate::fill::patch::Patch;
 use crate::fill::polygon::join_loops;
@@ -232,7 +232,7 @@ fn make(
     for pass in 0..2 {
         check(0.3 + 0.3 * f64::from(pass))?;
         let sheet = Sheet::new(&patch, &band, around.near);
-        let Some(moved) = fair(&sheet, plate, outline.mean_size()) else {
+        let Some(moved) = fair(sheet, plate, outline.mean_size()) else {
             return Ok(Err(NO_FACTOR.into()));
         };
         place(&mut patch, &moved);
@@ -265,10 +265,9 @@ fn approach(
     }
     check(0.3)?;
     let sheet = Sheet::new(&patch, band, around.near);
-    let Some(moved) = fair(&sheet, plate, outline.mean_size()) else {
+    let Some(moved) = fair(sheet, plate, outline.mean_size()) else {
         return Ok(Err(NO_FACTOR.into()));
     };
-    drop(sheet);
     let area = patch.area();
     place(&mut patch, &moved);
     if patch.area() > SWOLLEN * area {
@@ -350,9 +349,7 @@ fn auto(
     let band = Band::grow(near, incidence, &outline.vertices, 2);
     if prediction.share > 0.0 {
         let sheet = Sheet::new(&patch, &band, near);
-        let (thin, curved) =
-            (fair(&sheet, Plate::Thin, edge), fair(&sheet, Plate::Triharmonic, edge));
-        if let (Some(thin), Some(curved)) = (thin, curved) {
+        if let Some([thin, curved]) = fair_both(&sheet) {
             let rim = patch.rim_count;
             for (i, (a, b)) in thin.iter().zip(&curved).enumerate() {
                 patch.positions[rim + i] = a.lerp(*b, prediction.share);

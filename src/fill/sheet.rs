@@ -112,7 +112,7 @@ impl Sheet {
     pub fn new(patch: &Patch, band: &Band, near: &Neighbourhood) -> Self {
         let (rim, new) = (patch.rim_count, patch.positions.len() - patch.rim_count);
         let mut positions = patch.positions.clone();
-        positions.extend(band.vertices[rim..].iter().map(|&v| near.positions[v as usize]));
+        positions.extend(band.vertices[rim..].iter().map(|&v| near.positions.get(v)));
         let number = |v: u32| if (v as usize) < rim { v } else { v + new as u32 };
         let mut triangles: Vec<[u32; 3]> = patch.triangles.clone();
         triangles.extend(band.faces.iter().map(|f| f.map(number)));
@@ -172,36 +172,39 @@ impl Laplacian {
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], weights: Weights) -> Self {
         let n = positions.len();
         let mut mass = vec![0.0; n];
-        let mut start = vec![0u32; n + 1];
-        triangles.iter().flatten().for_each(|&v| start[v as usize + 1] += 2);
-        for v in 0..n {
-            start[v + 1] += start[v];
-        }
-        let mut next = start.clone();
-        let mut entries = vec![(NONE, 0.0); 6 * triangles.len()];
-        for tri in triangles {
+        // Half the cotangent at each corner, opposite to the edge that follows it by one.
+        let mut half_cot = vec![[0.0; 3]; triangles.len()];
+        for (tri, half_cot) in triangles.iter().zip(&mut half_cot) {
             let p = tri.map(|v| positions[v as usize]);
             let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
             for k in 0..3 {
-                let (a, b, c) = (tri[k] as usize, tri[(k + 1) % 3] as usize, (k + 2) % 3);
-                mass[a] += area2 / 6.0;
-                let (u, v) = (p[k] - p[c], p[(k + 1) % 3] - p[c]);
-                let half_cot = 0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE);
-                for (from, to) in [(a, b), (b, a)] {
-                    entries[next[from] as usize] = (to as u32, half_cot);
-                    next[from] += 1;
-                }
+                mass[tri[k] as usize] += area2 / 6.0;
+                let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+                half_cot[k] = 0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE);
             }
         }
+        let around = Incidence::of(n, triangles);
+        // Each inner edge is two entries, and has two triangles.
+        let entries = 3 * triangles.len() + n;
         let mut l = Self {
-            start: vec![0; n + 1],
-            to: Vec::with_capacity(entries.len() / 2 + n),
-            weight: Vec::with_capacity(entries.len() / 2 + n),
+            start: Vec::with_capacity(n + 1),
+            to: Vec::with_capacity(entries),
+            weight: Vec::with_capacity(entries),
             diagonal: vec![0.0; n],
             mass,
         };
+        l.start.push(0);
+        let mut row: Vec<(u32, f64)> = Vec::new();
         for v in 0..n {
-            let row = &mut entries[start[v] as usize..start[v + 1] as usize];
+            row.clear();
+            for &t in around.faces(v as u32) {
+                let (tri, half_cot) = (triangles[t as usize], half_cot[t as usize]);
+                for k in (0..3).filter(|&k| tri[k] as usize == v) {
+                    let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+                    row.push((tri[next], half_cot[last]));
+                    row.push((tri[last], half_cot[next]));
+                }
+            }
             row.sort_unstable_by_key(|e| e.0);
             for same in row.chunk_by(|x, y| x.0 == y.0) {
                 let w = match weights {
@@ -214,7 +217,7 @@ impl Laplacian {
                 l.weight.push(w);
                 l.diagonal[v] += w;
             }
-            l.start[v + 1] = l.to.len() as u32;
+            l.start.push(l.to.len() as u32);
         }
         l.lift_masses();
         l
