@@ -148,19 +148,24 @@ const SMOOTH: f64 = 0.1;
 /// them best. With x₁ the thin, x₂ the triharmonic prediction and p the truth,
 /// w = Σ m ⟨p − x₁, x₂ − x₁⟩ / Σ m |x₂ − x₁|². The sheet must have `hidden` + 2 rings; `edge` is
 /// the mean edge length there.
-pub fn predict_hidden(sheet: &Sheet, hidden: usize, edge: f64) -> Option<Prediction> {
+pub fn predict_hidden(mut sheet: Sheet, hidden: usize, edge: f64) -> Option<Prediction> {
     let l = Laplacian::new(&sheet.positions, &sheet.triangles, Weights::Cotangent);
+    sheet.triangles = Vec::new();
     let is_free = |v: usize| sheet.is_new(v) || sheet.ring[v] as usize <= hidden;
-    let (number, free) = number_unknowns(sheet, is_free);
-    let thin = assemble_plate(sheet, &l, |_| None, 1.0, &number, &free).solve()?;
-    let curved = assemble_triharmonic(sheet, &l, &number, &free).solve()?;
+    let (number, free) = number_unknowns(&sheet, is_free);
+    let thin = assemble(Plate::Thin, &sheet, &l, &number, &free).solve()?;
+    let curved = assemble(Plate::Triharmonic, &sheet, &l, &number, &free);
+    let masses = l.mass;
+    // The factor needs the room.
+    drop((l.start, l.to, l.weight, l.diagonal));
+    let curved = curved.solve()?;
     let (mut product, mut square, mut error, mut mass) = (0.0, 0.0, 0.0, 0.0);
     for (i, &v) in free.iter().enumerate().filter(|&(_, &v)| !sheet.is_new(v)) {
         let (apart, missed) = (curved[i] - thin[i], sheet.positions[v] - thin[i]);
-        product += l.mass[v] * apart.dot(missed);
-        square += l.mass[v] * apart.length_squared();
-        error += l.mass[v] * missed.length_squared();
-        mass += l.mass[v];
+        product += masses[v] * apart.dot(missed);
+        square += masses[v] * apart.length_squared();
+        error += masses[v] * missed.length_squared();
+        mass += masses[v];
     }
     let share = if error < mass * (SMOOTH * edge).powi(2) {
         1.0

@@ -171,18 +171,6 @@ impl Laplacian {
     /// The Laplacian of a triangle mesh.
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], weights: Weights) -> Self {
         let n = positions.len();
-        let mut mass = vec![0.0; n];
-        // Half the cotangent at each corner, opposite to the edge that follows it by one.
-        let mut half_cot = vec![[0.0; 3]; triangles.len()];
-        for (tri, half_cot) in triangles.iter().zip(&mut half_cot) {
-            let p = tri.map(|v| positions[v as usize]);
-            let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
-            for k in 0..3 {
-                mass[tri[k] as usize] += area2 / 6.0;
-                let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-                half_cot[k] = 0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE);
-            }
-        }
         let around = Incidence::of(n, triangles);
         // Each inner edge is two entries, and has two triangles.
         let entries = 3 * triangles.len() + n;
@@ -191,18 +179,26 @@ impl Laplacian {
             to: Vec::with_capacity(entries),
             weight: Vec::with_capacity(entries),
             diagonal: vec![0.0; n],
-            mass,
+            mass: vec![0.0; n],
         };
         l.start.push(0);
         let mut row: Vec<(u32, f64)> = Vec::new();
         for v in 0..n {
             row.clear();
+            // Each cotangent is computed twice rather than kept: they would be a third of the room.
             for &t in around.faces(v as u32) {
-                let (tri, half_cot) = (triangles[t as usize], half_cot[t as usize]);
+                let tri = triangles[t as usize];
+                let p = tri.map(|v| positions[v as usize]);
+                let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
+                let half_cot = |at: usize| {
+                    let (u, v) = (p[(at + 1) % 3] - p[at], p[(at + 2) % 3] - p[at]);
+                    0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE)
+                };
                 for k in (0..3).filter(|&k| tri[k] as usize == v) {
                     let (next, last) = ((k + 1) % 3, (k + 2) % 3);
-                    row.push((tri[next], half_cot[last]));
-                    row.push((tri[last], half_cot[next]));
+                    l.mass[v] += area2 / 6.0;
+                    row.push((tri[next], half_cot(last)));
+                    row.push((tri[last], half_cot(next)));
                 }
             }
             row.sort_unstable_by_key(|e| e.0);
