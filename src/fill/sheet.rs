@@ -111,10 +111,13 @@ impl Sheet {
     /// Puts a patch and the band around its rim together.
     pub fn new(patch: &Patch, band: &Band, near: &Neighbourhood) -> Self {
         let (rim, new) = (patch.rim_count, patch.positions.len() - patch.rim_count);
-        let mut positions = patch.positions.clone();
+        // Exactly what is needed: growing takes twice that.
+        let mut positions = Vec::with_capacity(new + band.vertices.len());
+        positions.extend_from_slice(&patch.positions);
         positions.extend(band.vertices[rim..].iter().map(|&v| near.positions.get(v)));
         let number = |v: u32| if (v as usize) < rim { v } else { v + new as u32 };
-        let mut triangles: Vec<[u32; 3]> = patch.triangles.clone();
+        let mut triangles = Vec::with_capacity(patch.triangles.len() + band.faces.len());
+        triangles.extend_from_slice(&patch.triangles);
         triangles.extend(band.faces.iter().map(|f| f.map(number)));
         let mut ring = vec![0; positions.len()];
         for r in 1..band.ring_ends.len() {

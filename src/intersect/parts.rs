@@ -11,8 +11,8 @@ use super::triangle::{triangles_intersect, Triangle};
 /// cross product itself is off by about 4e-16 in f64, so no line is taken for a face.
 const FLAT_RATIO: f64 = 1e-12;
 
-/// Faces of the fill that are tested with one tree, which takes some 0.15 KiB for each: with 2048 and
-/// 8192 a fill of 160,000 faces takes as long.
+/// Faces of the fill that are tested with one tree: it takes some 0.15 KiB for each and so half a
+/// megabyte. Own choice.
 const PART: usize = 4096;
 
 /// Faces that are known by their corners alone, wherever those lie: the known ones near a fill, then
@@ -60,24 +60,34 @@ impl<F: Fn(usize) -> Triangle> Soup<F> {
         fill_start: usize,
         found: &mut dyn FnMut([u32; 2]) -> bool,
     ) -> bool {
+        self.any_by_parts(fill_start, PART, found)
+    }
+
+    /// The same with parts of at most `size` faces, at least 1.
+    pub(super) fn any_by_parts(
+        &self,
+        fill_start: usize,
+        size: usize,
+        found: &mut dyn FnMut([u32; 2]) -> bool,
+    ) -> bool {
         let first = fill_start.min(self.count) as u32;
         let mut fill: Vec<u32> = (first..self.count as u32).collect();
         let bounds = self.bounds(&fill);
         let near = (0..first).filter(|&f| self.bounds_of(f).overlaps(&bounds));
         let all = near.chain(first..self.count as u32).collect();
-        self.any_in_part(&mut fill, all, first, found)
+        self.any_in_part(&mut fill, all, (first, size), found)
     }
 
-    /// The same for a part of the fill and all faces whose boxes meet its own, the known ones of which
-    /// are below `first`.
+    /// The same for a part of the fill and all faces whose boxes meet its own: the known ones are below
+    /// `first`.
     fn any_in_part(
         &self,
         part: &mut [u32],
         near: Vec<u32>,
-        first: u32,
+        (first, size): (u32, usize),
         found: &mut dyn FnMut([u32; 2]) -> bool,
     ) -> bool {
-        if part.len() > PART {
+        if part.len() > size {
             // Across the longest extent. The index settles ties.
             let bounds = self.bounds(part);
             let extent = bounds.hi - bounds.lo;
@@ -91,7 +101,7 @@ impl<F: Fn(usize) -> Triangle> Soup<F> {
                 let bounds = self.bounds(half);
                 let meets = |f: &u32| self.bounds_of(*f).overlaps(&bounds);
                 let near = near.iter().copied().filter(meets).collect();
-                self.any_in_part(half, near, first, found)
+                self.any_in_part(half, near, (first, size), found)
             });
         }
         let tree = Bvh::from_triangles(near.into_iter().map(|f| (f, (self.corners)(f as usize))));
