@@ -202,7 +202,7 @@ pub(super) fn convert(
     }
     let converted = document.convert(format)?;
     for what in converted.dropped() {
-        console.warn(what);
+        console.warn(&format!("lost in the conversion to {format}: {what}"));
     }
     Ok(converted)
 }

@@ -4,7 +4,7 @@
 use super::smooth::Surroundings;
 use crate::error::Result;
 use crate::fill::patch::Patch;
-use crate::intersect::{degenerate_faces, faces_that_meet};
+use crate::intersect::Soup;
 use crate::mesh::neighbourhood::{Bounds, Grid, Neighbourhood};
 use crate::mesh::MeshView;
 use crate::progress::Monitor;
@@ -127,10 +127,15 @@ struct Known<'a> {
 }
 
 impl Known<'_> {
-    fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
-        let corners =
-            |&f: &u32| self.near.faces[f as usize].map(|v| self.near.positions[v as usize]);
-        self.faces.iter().map(corners).chain(self.others.iter().copied())
+    fn len(&self) -> usize {
+        self.faces.len() + self.others.len()
+    }
+
+    fn triangle(&self, i: usize) -> [DVec3; 3] {
+        match self.faces.get(i) {
+            Some(&f) => self.near.corners(f),
+            None => self.others[i - self.faces.len()],
+        }
     }
 }
 
@@ -138,20 +143,21 @@ impl Known<'_> {
 /// are told by their positions, so the known triangles need no common numbering. With more than `most`
 /// only some of them are named.
 fn bad_faces(known: &Known<'_>, patch: &Patch, most: usize) -> Vec<u32> {
-    let boxes: Vec<Bounds> =
-        patch.triangles.iter().map(|t| Bounds::of_triangle(t.map(|v| patch.p(v)))).collect();
+    let triangle = |t: &[u32; 3]| t.map(|v| patch.p(v));
     // The box of a fill holds much that comes nowhere near it.
-    let cells = Grid::new(&boxes);
-    drop(boxes);
-    let near = known.triangles().filter(|t| cells.meets(&Bounds::of_triangle(*t)));
-    let mut positions: Vec<DVec3> = near.flatten().collect();
-    let mut faces: Vec<[u32; 3]> =
-        (0..positions.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-    let (fill_start, first) = (faces.len(), positions.len() as u32);
-    positions.extend_from_slice(&patch.positions);
-    faces.extend(patch.triangles.iter().map(|t| t.map(|v| v + first)));
-    let mut bad = degenerate_faces(&positions, &faces, fill_start);
-    bad.extend(faces_that_meet(&positions, &faces, fill_start, most));
+    let cells = Grid::new(patch.triangles.iter().map(|t| Bounds::of_triangle(triangle(t))));
+    let is_near = |i: &u32| cells.meets(&Bounds::of_triangle(known.triangle(*i as usize)));
+    let near: Vec<u32> = (0..known.len() as u32).filter(is_near).collect();
+    let fill_start = near.len();
+    let soup = Soup {
+        count: fill_start + patch.triangles.len(),
+        corners: |f: usize| match near.get(f) {
+            Some(&i) => known.triangle(i as usize),
+            None => triangle(&patch.triangles[f - fill_start]),
+        },
+    };
+    let mut bad = soup.degenerate_faces(fill_start);
+    bad.extend(soup.faces_that_meet(fill_start, most));
     bad.iter_mut().for_each(|f| *f -= fill_start as u32);
     bad.sort_unstable();
     bad.dedup();

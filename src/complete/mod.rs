@@ -55,7 +55,8 @@ pub fn complete_mesh_with(
     monitor: &Monitor,
 ) -> Result<Completion> {
     options.check()?;
-    Completer::new(mesh, &options.grouping, monitor)?.complete(options, monitor)
+    // No second copy of the result for a redo that cannot come.
+    Completer::new(mesh, &options.grouping, monitor)?.complete_anew(options, monitor)
 }
 
 /// Keeps what is expensive and does not change between calls on one mesh: the checked arrays and
@@ -135,6 +136,23 @@ impl<'a> Completer<'a> {
     /// [`Completer::new`]. The seconds returned include those of [`Completer::new`].
     pub fn complete(&self, options: &Options, monitor: &Monitor) -> Result<Completion> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
+        // The thread count cannot change the result.
+        let asked = Options { threads: 0, ..options.clone() };
+        if let Some(mut again) = self.last_if(&asked) {
+            again.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
+            again.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
+            monitor.step(1.0, "done")?;
+            return Ok(again);
+        }
+        let completion = self.complete_anew(options, monitor)?;
+        let last = Some((asked, completion.clone()));
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = last;
+        Ok(completion)
+    }
+
+    /// The same, whatever was asked for last.
+    fn complete_anew(&self, options: &Options, monitor: &Monitor) -> Result<Completion> {
+        let (clock, cpu) = (Instant::now(), ProcessTime::now());
         options.check()?;
         options.sources.check(self.mesh.faces.len())?;
         let vertices = self.mesh.vertices.len();
@@ -144,14 +162,6 @@ impl<'a> Completer<'a> {
         options.initial.as_ref().map_or(Ok(()), |i| i.check(vertices))?;
         let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
         let todo = self.safe_holes(&wanted, options)?;
-        // The thread count cannot change the result.
-        let asked = Options { threads: 0, ..options.clone() };
-        if let Some(mut again) = self.last_if(&asked) {
-            again.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
-            again.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
-            monitor.step(1.0, "done")?;
-            return Ok(again);
-        }
         monitor.step(0.05, "copying the surroundings")?;
         let boxes: Vec<Bounds> = todo.iter().map(|h| self.reach(h)).collect();
         let near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
@@ -183,8 +193,6 @@ impl<'a> Completer<'a> {
         completion.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
         completion.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
         monitor.step(1.0, "done")?;
-        let last = Some((asked, completion.clone()));
-        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = last;
         Ok(completion)
     }
 

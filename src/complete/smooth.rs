@@ -10,7 +10,7 @@
 use super::check::{Obstacles, Rounding};
 use super::initial::InitialFaces;
 use crate::error::Result;
-use crate::fill::fairing::{fair, fair_from, predict_hidden, Plate};
+use crate::fill::fairing::{fair, fair_both, fair_from, predict_hidden, Plate};
 use crate::fill::outline::Outline;
 use crate::fill::patch::Patch;
 use crate::fill::polygon::join_loops;
@@ -151,22 +151,37 @@ pub fn fill_hole(
     let ask = || check(0.2);
     let mut pace = Pace::new(&ask);
     let mut reason = String::from("its rim has no triangulation");
-    for (round, all_pairs) in ALL_PAIRS.into_iter().enumerate() {
-        // Each search is another only for polygons of some sizes.
-        let is_another = match round {
-            0 => true,
-            1 => !all_pairs.holds(&polygon),
-            _ => all_pairs.holds(&polygon) && !ALL_PAIRS[0].holds(&polygon),
-        };
-        if !is_another {
-            continue;
+    // Each search is another only for polygons of some sizes.
+    let is_another = |round: usize| match round {
+        0 => true,
+        1 => !ALL_PAIRS[1].holds(&polygon),
+        _ => ALL_PAIRS[2].holds(&polygon) && !ALL_PAIRS[0].holds(&polygon),
+    };
+    let mut search = |round: usize| {
+        triangulate(&outline.positions, &outline.sizes, &polygon, ALL_PAIRS[round], &mut pace)
+    };
+    let mut rounds: Vec<usize> = (0..ALL_PAIRS.len()).filter(|&r| is_another(r)).collect();
+    let mut ready = search(0)?;
+    // What would be larger than much of the mesh is not begun before a look at what comes next.
+    if ready.as_ref().is_some_and(|f| rounds.len() > 1 && is_vast(around, &outline, f)) {
+        let next = search(rounds[1])?;
+        let area = |f: &Option<Patch>| f.as_ref().map_or(f64::INFINITY, Patch::area);
+        if area(&next) < DETOUR * area(&ready) {
+            ready = next;
+            rounds.swap(0, 1);
         }
-        let first =
-            triangulate(&outline.positions, &outline.sizes, &polygon, all_pairs, &mut pace)?;
-        let Some(first) = first else { continue };
+    }
+    for round in rounds {
+        let first = match ready.take() {
+            Some(first) => first,
+            None => match search(round)? {
+                Some(first) => first,
+                None => continue,
+            },
+        };
         check(0.2)?;
         // What the plain attempts start from, refined once.
-        let mut refined = None;
+        let mut refined = Refined::Not;
         for &attempt in &attempts {
             let made = match make(around, &outline, &first, &mut refined, attempt, check)? {
                 Ok(patch) => obstacles.settle(around, patch, &|| check(0.9))?,
@@ -188,6 +203,19 @@ pub fn fill_hole(
     Ok(Err(reason))
 }
 
+/// Whether a triangulation asks for more new vertices than an eighth of the mesh has: what its attempts
+/// take in room and time is then no longer small.
+fn is_vast(around: &Surroundings<'_>, outline: &Outline, first: &Patch) -> bool {
+    let edge = outline.mean_size();
+    around.sizing == Sizing::Surroundings
+        && first.area() > 0.75 * edge * edge * around.input_vertices as f64 / 8.0
+}
+
+/// A triangulation with less than this share of another's area is tried before it: around a vessel's
+/// missing band one that folds less is 2.7 times as large and leads through the walls; elsewhere they
+/// are within a third of each other.
+const DETOUR: f64 = 0.5;
+
 /// Area of a coarse fill, in that of the triangulation it came from, from which on it is no surface to
 /// refine: a half sphere over a flat rim has twice.
 const SWOLLEN: f64 = 3.0;
@@ -197,42 +225,65 @@ const TOO_MANY: &str = "its wanted edge length asks for too many vertices";
 const SWELLS: &str = "its surface swells or folds";
 const NO_FACTOR: &str = "the fairing's system is not positive definite";
 
+/// A triangulation's refinement, which several attempts start from.
+enum Refined {
+    Not,
+    Patch(Patch),
+    /// So large that it is not kept: how many new vertices it has.
+    Count(usize),
+}
+
 /// One attempt: refined and faired, not yet checked.
 fn make(
     around: &Surroundings<'_>,
     outline: &Outline,
     first: &Patch,
-    refined: &mut Option<Patch>,
+    refined: &mut Refined,
     fairing: Fairing,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Patch, String>> {
     if fairing == Fairing::Auto {
         return auto(around, outline, first.clone(), check);
     }
-    let mut patch = refined.as_ref().unwrap_or(first).clone();
-    if refined.is_none() {
-        if around.sizing == Sizing::None {
-            split_taken(&mut patch, &outline.taken);
-            patch.compact();
-        } else if !refine(&mut patch, &outline.taken, 4, &mut Pace::new(&|| check(0.25)))? {
-            return Ok(Err(TOO_MANY.into()));
-        }
-        // Only `Auto` comes back for another.
-        if around.fairing == Fairing::Auto {
-            *refined = Some(patch.clone());
+    let plate = plate_of(fairing, outline);
+    let in_steps = |count: usize| {
+        let can = plate.filter(|p| !p.is_soft() && around.sizing != Sizing::None);
+        can.is_some_and(|p| count > most_at_once(around, p))
+    };
+    if let (Refined::Count(count), Some(plate)) = (&*refined, plate) {
+        if in_steps(*count) {
+            return approach(around, outline, first.clone(), *count, plate, check);
         }
     }
-    let Some(plate) = plate_of(fairing, outline) else { return Ok(Ok(patch)) };
-    let band = band_for(around, outline, plate);
+    let mut patch = match &*refined {
+        Refined::Patch(patch) => patch.clone(),
+        _ => {
+            let mut patch = first.clone();
+            if around.sizing == Sizing::None {
+                split_taken(&mut patch, &outline.taken);
+                patch.compact();
+            } else if !refine(&mut patch, &outline.taken, 4, &mut Pace::new(&|| check(0.25)))? {
+                return Ok(Err(TOO_MANY.into()));
+            }
+            patch
+        }
+    };
+    let Some(plate) = plate else { return Ok(Ok(patch)) };
     let count = patch.positions.len() - patch.rim_count;
-    let most = most_at_once(around, plate);
-    if count > most && !plate.is_soft() && around.sizing != Sizing::None {
-        return approach(around, outline, first.clone(), count, plate, &band, check);
+    if in_steps(count) {
+        *refined = Refined::Count(count);
+        drop(patch);
+        return approach(around, outline, first.clone(), count, plate, check);
     }
+    // Only `Auto` comes back for another.
+    if around.fairing == Fairing::Auto && matches!(refined, Refined::Not) {
+        *refined = Refined::Patch(patch.clone());
+    }
+    let band = band_for(around, outline, plate);
     for pass in 0..2 {
         check(0.3 + 0.3 * f64::from(pass))?;
         let sheet = Sheet::new(&patch, &band, around.near);
-        let Some(moved) = fair(&sheet, plate, outline.mean_size()) else {
+        let Some(moved) = fair(sheet, plate, outline.mean_size()) else {
             return Ok(Err(NO_FACTOR.into()));
         };
         place(&mut patch, &moved);
@@ -252,9 +303,9 @@ fn approach(
     mut patch: Patch,
     count: usize,
     plate: Plate,
-    band: &Band,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Patch, String>> {
+    let band = &band_for(around, outline, plate);
     let mut coarse = HALF;
     while count as f64 > coarse * coarse * most_at_once(around, plate) as f64 {
         coarse *= 2.0;
@@ -265,10 +316,9 @@ fn approach(
     }
     check(0.3)?;
     let sheet = Sheet::new(&patch, band, around.near);
-    let Some(moved) = fair(&sheet, plate, outline.mean_size()) else {
+    let Some(moved) = fair(sheet, plate, outline.mean_size()) else {
         return Ok(Err(NO_FACTOR.into()));
     };
-    drop(sheet);
     let area = patch.area();
     place(&mut patch, &moved);
     if patch.area() > SWOLLEN * area {
@@ -342,7 +392,7 @@ fn auto(
     let hidden = rings.min(MOST_HIDDEN / outline.vertices.len().max(1)).max(1);
     let band = Band::grow(near, incidence, &outline.vertices, hidden + 2);
     let sheet = Sheet::new(&patch, &band, near);
-    let Some(prediction) = predict_hidden(&sheet, hidden, edge) else {
+    let Some(prediction) = predict_hidden(sheet, hidden, edge) else {
         return Ok(Err(NO_FACTOR.into()));
     };
     check(0.5)?;
@@ -350,9 +400,7 @@ fn auto(
     let band = Band::grow(near, incidence, &outline.vertices, 2);
     if prediction.share > 0.0 {
         let sheet = Sheet::new(&patch, &band, near);
-        let (thin, curved) =
-            (fair(&sheet, Plate::Thin, edge), fair(&sheet, Plate::Triharmonic, edge));
-        if let (Some(thin), Some(curved)) = (thin, curved) {
+        if let Some([thin, curved]) = fair_both(&sheet) {
             let rim = patch.rim_count;
             for (i, (a, b)) in thin.iter().zip(&curved).enumerate() {
                 patch.positions[rim + i] = a.lerp(*b, prediction.share);

@@ -61,52 +61,66 @@ pub fn fair_from(
     edge: f64,
     most_at_once: usize,
 ) -> Option<Vec<DVec3>> {
-    if plate.is_soft() {
-        return fair(&sheet, plate, edge);
+    let new = sheet.rim_count..sheet.patch_count;
+    if plate.is_soft() || new.len() <= most_at_once {
+        return fair(sheet, plate, edge);
     }
     let l = Laplacian::new(&sheet.positions, &sheet.triangles, Weights::Cotangent);
     sheet.triangles = Vec::new();
-    let assemble = |sheet: &Sheet, number: &[u32], free: &[usize]| match plate {
-        Plate::Membrane => assemble_membrane(sheet, &l, number, free),
-        Plate::Triharmonic => assemble_triharmonic(sheet, &l, number, free),
-        _ => assemble_plate(sheet, &l, |_| None, 1.0, number, free),
-    };
-    let new = sheet.rim_count..sheet.patch_count;
-    if new.len() > most_at_once {
-        sheet.positions[new.clone()].iter_mut().zip(start).for_each(|(p, s)| *p = s);
-        solve_by_blocks(&mut sheet, &l, &assemble)?;
-        return Some(sheet.positions[new].to_vec());
-    }
-    let (number, free) = number_unknowns(&sheet, |v| sheet.is_new(v));
-    let system = assemble(&sheet, &number, &free);
-    // The factor needs the room.
-    drop((sheet, l, number, free));
-    system.solve()
+    sheet.positions[new.clone()].iter_mut().zip(start).for_each(|(p, s)| *p = s);
+    solve_by_blocks(&mut sheet, &l, &|sheet, number, free| {
+        assemble(plate, sheet, &l, number, free)
+    })?;
+    sheet.positions.truncate(new.end);
+    sheet.positions.drain(..new.start);
+    Some(sheet.positions)
 }
 
 /// New positions of the patch's new vertices; `None` if the system is not positive definite.
-pub fn fair(sheet: &Sheet, plate: Plate, edge: f64) -> Option<Vec<DVec3>> {
+pub fn fair(mut sheet: Sheet, plate: Plate, edge: f64) -> Option<Vec<DVec3>> {
     let weights = match plate {
         Plate::LeastSquares => Weights::Uniform,
         _ => Weights::Cotangent,
     };
     let l = Laplacian::new(&sheet.positions, &sheet.triangles, weights);
+    let is_known = |v: usize| v < sheet.rim_count || v >= sheet.patch_count;
     match plate {
-        Plate::Membrane => solve_membrane(sheet, &l),
-        Plate::Triharmonic => solve_triharmonic(sheet, &l),
-        Plate::Thin => solve_plate(sheet, &l, |_| None, 1.0),
+        Plate::Membrane | Plate::Triharmonic | Plate::Thin => {
+            sheet.triangles = Vec::new();
+            let (number, free) = number_unknowns(&sheet, |v| sheet.is_new(v));
+            let system = assemble(plate, &sheet, &l, &number, &free);
+            // The factor needs the room.
+            drop((sheet, l, number, free));
+            system.solve()
+        }
         Plate::LeastSquares => {
-            let soft = |v: usize| (v < sheet.rim_count || v >= sheet.patch_count).then_some(1.0);
             let unit = Laplacian { mass: vec![1.0; l.mass.len()], ..l };
-            let smooth = solve_plate(sheet, &unit, soft, 1.0)?;
-            join_to_rim(sheet, smooth, edge)
+            let smooth = solve_soft(&sheet, &unit, |v| is_known(v).then_some(1.0), 1.0)?;
+            join_to_rim(&sheet, smooth, edge)
         }
         Plate::Smoothed(s) => {
-            let soft =
-                |v: usize| (v < sheet.rim_count || v >= sheet.patch_count).then(|| l.mass[v]);
-            let smooth = solve_plate(sheet, &l, soft, s.powi(4))?;
-            join_to_rim(sheet, smooth, edge)
+            let soft = |v: usize| is_known(v).then(|| l.mass[v]);
+            let smooth = solve_soft(&sheet, &l, soft, s.powi(4))?;
+            join_to_rim(&sheet, smooth, edge)
         }
+    }
+}
+
+/// Thin plate and triharmonic surface of one sheet.
+pub fn fair_both(sheet: &Sheet) -> Option<[Vec<DVec3>; 2]> {
+    let l = Laplacian::new(&sheet.positions, &sheet.triangles, Weights::Cotangent);
+    let (number, free) = number_unknowns(sheet, |v| sheet.is_new(v));
+    let thin = assemble(Plate::Thin, sheet, &l, &number, &free).solve()?;
+    let curved = assemble(Plate::Triharmonic, sheet, &l, &number, &free).solve()?;
+    Some([thin, curved])
+}
+
+/// The system of a plate through a rim that is fixed.
+fn assemble(plate: Plate, sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[usize]) -> System {
+    match plate {
+        Plate::Membrane => assemble_membrane(sheet, l, number, free),
+        Plate::Triharmonic => assemble_triharmonic(sheet, l, number, free),
+        _ => assemble_plate(sheet, l, |_| None, 1.0, number, free),
     }
 }
 
@@ -134,19 +148,24 @@ const SMOOTH: f64 = 0.1;
 /// them best. With x₁ the thin, x₂ the triharmonic prediction and p the truth,
 /// w = Σ m ⟨p − x₁, x₂ − x₁⟩ / Σ m |x₂ − x₁|². The sheet must have `hidden` + 2 rings; `edge` is
 /// the mean edge length there.
-pub fn predict_hidden(sheet: &Sheet, hidden: usize, edge: f64) -> Option<Prediction> {
+pub fn predict_hidden(mut sheet: Sheet, hidden: usize, edge: f64) -> Option<Prediction> {
     let l = Laplacian::new(&sheet.positions, &sheet.triangles, Weights::Cotangent);
+    sheet.triangles = Vec::new();
     let is_free = |v: usize| sheet.is_new(v) || sheet.ring[v] as usize <= hidden;
-    let (number, free) = number_unknowns(sheet, is_free);
-    let thin = assemble_plate(sheet, &l, |_| None, 1.0, &number, &free).solve()?;
-    let curved = assemble_triharmonic(sheet, &l, &number, &free).solve()?;
+    let (number, free) = number_unknowns(&sheet, is_free);
+    let thin = assemble(Plate::Thin, &sheet, &l, &number, &free).solve()?;
+    let curved = assemble(Plate::Triharmonic, &sheet, &l, &number, &free);
+    let masses = l.mass;
+    // The factor needs the room.
+    drop((l.start, l.to, l.weight, l.diagonal));
+    let curved = curved.solve()?;
     let (mut product, mut square, mut error, mut mass) = (0.0, 0.0, 0.0, 0.0);
     for (i, &v) in free.iter().enumerate().filter(|&(_, &v)| !sheet.is_new(v)) {
         let (apart, missed) = (curved[i] - thin[i], sheet.positions[v] - thin[i]);
-        product += l.mass[v] * apart.dot(missed);
-        square += l.mass[v] * apart.length_squared();
-        error += l.mass[v] * missed.length_squared();
-        mass += l.mass[v];
+        product += masses[v] * apart.dot(missed);
+        square += masses[v] * apart.length_squared();
+        error += masses[v] * missed.length_squared();
+        mass += masses[v];
     }
     let share = if error < mass * (SMOOTH * edge).powi(2) {
         1.0
@@ -174,11 +193,6 @@ fn number_unknowns(sheet: &Sheet, is_free: impl Fn(usize) -> bool) -> (Vec<u32>,
     (number, free)
 }
 
-fn solve_membrane(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
-    let (number, free) = number_unknowns(sheet, |v| sheet.is_new(v));
-    assemble_membrane(sheet, l, &number, &free).solve()
-}
-
 fn assemble_membrane(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[usize]) -> System {
     let places = free.iter().map(|&v| sheet.positions[v]);
     let mut system = System::new(free.len()).with_places(places);
@@ -197,24 +211,21 @@ fn assemble_membrane(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[usize
 }
 
 /// Minimises scale · Σ |(L x)_i|² / m_i over complete rows + Σ soft(i) |x_i − p_i|². Returns the
-/// solution at the patch's vertices: all of them where the rim is soft, else the new ones.
-fn solve_plate(
+/// solution at all of the patch's vertices.
+fn solve_soft(
     sheet: &Sheet,
     l: &Laplacian,
     soft: impl Fn(usize) -> Option<f64>,
     scale: f64,
 ) -> Option<Vec<DVec3>> {
-    let is_soft = soft(0).is_some();
     let last = sheet.rings as u16;
-    let is_free = |v: usize| sheet.is_new(v) || is_soft && sheet.ring[v] < last;
-    let (number, free) = number_unknowns(sheet, is_free);
+    let (number, free) = number_unknowns(sheet, |v| sheet.is_new(v) || sheet.ring[v] < last);
     let solution = assemble_plate(sheet, l, soft, scale, &number, &free).solve()?;
     let value = |v: usize| match number[v] {
         u32::MAX => sheet.positions[v],
         i => solution[i as usize],
     };
-    let first = if is_soft { 0 } else { sheet.rim_count };
-    Some((first..sheet.patch_count).map(value).collect())
+    Some((0..sheet.patch_count).map(value).collect())
 }
 
 fn assemble_plate(
@@ -283,11 +294,6 @@ fn join_to_rim(sheet: &Sheet, smooth: Vec<DVec3>, edge: f64) -> Option<Vec<DVec3
 
 /// Minimises Σ_edges w_ij |(M⁻¹ L x)_i − (M⁻¹ L x)_j|², the gradient of the mean curvature vector,
 /// over edges whose ends both have all their neighbours.
-fn solve_triharmonic(sheet: &Sheet, l: &Laplacian) -> Option<Vec<DVec3>> {
-    let (number, free) = number_unknowns(sheet, |v| sheet.is_new(v));
-    assemble_triharmonic(sheet, l, &number, &free).solve()
-}
-
 fn assemble_triharmonic(sheet: &Sheet, l: &Laplacian, number: &[u32], free: &[usize]) -> System {
     let places = free.iter().map(|&v| sheet.positions[v]);
     let mut system = System::new(free.len()).with_places(places);

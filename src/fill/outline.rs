@@ -23,7 +23,7 @@ impl Outline {
     /// Collects the rim of the hole whose loops are given in neighbourhood vertices.
     pub fn new(near: &Neighbourhood, incidence: &Incidence, loops: &[Vec<u32>]) -> Self {
         let vertices: Vec<u32> = loops.iter().flatten().copied().collect();
-        let positions = vertices.iter().map(|&v| near.positions[v as usize]).collect();
+        let positions = vertices.iter().map(|&v| near.positions.get(v)).collect();
         let sizes = vertices.iter().map(|&v| mean_edge(near, incidence, v)).collect();
         let mut first = 0;
         let rims = loops
@@ -59,7 +59,7 @@ impl Outline {
 fn mean_edge(near: &Neighbourhood, incidence: &Incidence, v: u32) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for &f in incidence.faces(v) {
-        let p = near.faces[f as usize].map(|w| near.positions[w as usize]);
+        let p = near.corners(f);
         sum += p[0].distance(p[1]) + p[1].distance(p[2]) + p[2].distance(p[0]);
         count += 3.0;
     }
@@ -71,7 +71,7 @@ fn edge_normal(near: &Neighbourhood, incidence: &Incidence, a: u32, b: u32) -> D
     for &f in incidence.faces(a) {
         let face = near.faces[f as usize];
         if (0..3).any(|k| face[k] == b && face[(k + 1) % 3] == a) {
-            let p = face.map(|w| near.positions[w as usize]);
+            let p = near.corners(f);
             return (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero();
         }
     }

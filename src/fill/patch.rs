@@ -282,9 +282,18 @@ impl Patch {
 
     /// Drops removed triangles and vertices; rim vertices keep their numbers.
     pub fn compact(&mut self) {
-        let keep: Vec<usize> = (0..self.triangles.len()).filter(|&t| self.is_alive(t)).collect();
         let mut tri_number = vec![NONE; self.triangles.len()];
-        keep.iter().enumerate().for_each(|(i, &t)| tri_number[t] = i as u32);
+        let mut kept = 0;
+        for t in 0..self.triangles.len() {
+            if self.is_alive(t) {
+                tri_number[t] = kept as u32;
+                self.triangles[kept] = self.triangles[t];
+                self.across[kept] = self.across[t];
+                kept += 1;
+            }
+        }
+        self.triangles.truncate(kept);
+        self.across.truncate(kept);
         let mut vertex_number = vec![NONE; self.positions.len()];
         let mut count = 0;
         for v in 0..self.positions.len() {
@@ -303,8 +312,15 @@ impl Patch {
         self.at.truncate(count as usize);
         let number = |t: u32| if t == NONE { NONE } else { tri_number[t as usize] };
         self.at.iter_mut().for_each(|t| *t = number(*t));
-        self.triangles =
-            keep.iter().map(|&t| self.triangles[t].map(|v| vertex_number[v as usize])).collect();
-        self.across = keep.iter().map(|&t| self.across[t].map(number)).collect();
+        let corners = self.triangles.iter_mut().flatten();
+        corners.for_each(|v| *v = vertex_number[*v as usize]);
+        self.across.iter_mut().flatten().for_each(|t| *t = number(*t));
+        // Grown by pushes, they may be twice as long as what is in them.
+        self.positions.shrink_to_fit();
+        self.sizes.shrink_to_fit();
+        self.offsets.shrink_to_fit();
+        self.at.shrink_to_fit();
+        self.triangles.shrink_to_fit();
+        self.across.shrink_to_fit();
     }
 }

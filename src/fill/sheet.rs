@@ -111,10 +111,13 @@ impl Sheet {
     /// Puts a patch and the band around its rim together.
     pub fn new(patch: &Patch, band: &Band, near: &Neighbourhood) -> Self {
         let (rim, new) = (patch.rim_count, patch.positions.len() - patch.rim_count);
-        let mut positions = patch.positions.clone();
-        positions.extend(band.vertices[rim..].iter().map(|&v| near.positions[v as usize]));
+        // Exactly what is needed: growing takes twice that.
+        let mut positions = Vec::with_capacity(new + band.vertices.len());
+        positions.extend_from_slice(&patch.positions);
+        positions.extend(band.vertices[rim..].iter().map(|&v| near.positions.get(v)));
         let number = |v: u32| if (v as usize) < rim { v } else { v + new as u32 };
-        let mut triangles: Vec<[u32; 3]> = patch.triangles.clone();
+        let mut triangles = Vec::with_capacity(patch.triangles.len() + band.faces.len());
+        triangles.extend_from_slice(&patch.triangles);
         triangles.extend(band.faces.iter().map(|f| f.map(number)));
         let mut ring = vec![0; positions.len()];
         for r in 1..band.ring_ends.len() {
@@ -171,37 +174,36 @@ impl Laplacian {
     /// The Laplacian of a triangle mesh.
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], weights: Weights) -> Self {
         let n = positions.len();
-        let mut mass = vec![0.0; n];
-        let mut start = vec![0u32; n + 1];
-        triangles.iter().flatten().for_each(|&v| start[v as usize + 1] += 2);
+        let around = Incidence::of(n, triangles);
+        // Each inner edge is two entries, and has two triangles.
+        let entries = 3 * triangles.len() + n;
+        let mut l = Self {
+            start: Vec::with_capacity(n + 1),
+            to: Vec::with_capacity(entries),
+            weight: Vec::with_capacity(entries),
+            diagonal: vec![0.0; n],
+            mass: vec![0.0; n],
+        };
+        l.start.push(0);
+        let mut row: Vec<(u32, f64)> = Vec::new();
         for v in 0..n {
-            start[v + 1] += start[v];
-        }
-        let mut next = start.clone();
-        let mut entries = vec![(NONE, 0.0); 6 * triangles.len()];
-        for tri in triangles {
-            let p = tri.map(|v| positions[v as usize]);
-            let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
-            for k in 0..3 {
-                let (a, b, c) = (tri[k] as usize, tri[(k + 1) % 3] as usize, (k + 2) % 3);
-                mass[a] += area2 / 6.0;
-                let (u, v) = (p[k] - p[c], p[(k + 1) % 3] - p[c]);
-                let half_cot = 0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE);
-                for (from, to) in [(a, b), (b, a)] {
-                    entries[next[from] as usize] = (to as u32, half_cot);
-                    next[from] += 1;
+            row.clear();
+            // Each cotangent is computed twice rather than kept: they would be a third of the room.
+            for &t in around.faces(v as u32) {
+                let tri = triangles[t as usize];
+                let p = tri.map(|v| positions[v as usize]);
+                let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
+                let half_cot = |at: usize| {
+                    let (u, v) = (p[(at + 1) % 3] - p[at], p[(at + 2) % 3] - p[at]);
+                    0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE)
+                };
+                for k in (0..3).filter(|&k| tri[k] as usize == v) {
+                    let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+                    l.mass[v] += area2 / 6.0;
+                    row.push((tri[next], half_cot(last)));
+                    row.push((tri[last], half_cot(next)));
                 }
             }
-        }
-        let mut l = Self {
-            start: vec![0; n + 1],
-            to: Vec::with_capacity(entries.len() / 2 + n),
-            weight: Vec::with_capacity(entries.len() / 2 + n),
-            diagonal: vec![0.0; n],
-            mass,
-        };
-        for v in 0..n {
-            let row = &mut entries[start[v] as usize..start[v + 1] as usize];
             row.sort_unstable_by_key(|e| e.0);
             for same in row.chunk_by(|x, y| x.0 == y.0) {
                 let w = match weights {
@@ -214,7 +216,7 @@ impl Laplacian {
                 l.weight.push(w);
                 l.diagonal[v] += w;
             }
-            l.start[v + 1] = l.to.len() as u32;
+            l.start.push(l.to.len() as u32);
         }
         l.lift_masses();
         l

@@ -1,9 +1,13 @@
 //! One sparse symmetric positive definite system, three right-hand sides (x, y, z).
 
 use super::envelope::{Envelope, Lower};
-use faer::linalg::solvers::Solve;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::cholesky::{
+    factorize_symbolic_cholesky, CholeskySymbolicParams, LltRef, SymmetricOrdering,
+};
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
-use faer::{Mat, Side};
+use faer::{Conj, Mat, Par, Side};
 use glam::DVec3;
 
 /// Multiplications within the envelope, per entry of the matrix, up to which it beats the general
@@ -12,6 +16,10 @@ use glam::DVec3;
 const ENVELOPE_COST: f64 = 450.0;
 /// With more unknowns than this none was narrow enough.
 const ENVELOPE_UNKNOWNS: usize = 5000;
+
+/// How much denser than by the crate's own choice a factor is before it is made by dense blocks: their
+/// products keep 4 MiB a thread, more than a small mesh, and up to some 10,000 unknowns are no faster.
+const SUPERNODAL: f64 = 4.0;
 
 /// A symmetric matrix being assembled column by column: the lower triangle and the right-hand side.
 pub struct System {
@@ -79,6 +87,9 @@ impl System {
         self.columns.push(u32::try_from(self.rows.len()).ok()?);
         self.scratch = Vec::new();
         self.used = Vec::new();
+        // Grown by pushes, they may be twice as long as what is in them.
+        self.rows.shrink_to_fit();
+        self.values.shrink_to_fit();
         let solution = match self.narrow_envelope() {
             Some(envelope) => envelope.solve(&self.lower(), &self.rhs)?,
             None => self.solve_sparse()?,
@@ -115,10 +126,35 @@ impl System {
         }
         let symbolic = SymbolicSparseColMat::new_checked(n, n, self.columns, None, rows);
         let matrix = SparseColMat::new(symbolic, values);
-        let factor = matrix.sp_cholesky(Side::Lower).ok()?;
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
+            ..Default::default()
+        };
+        let order = SymmetricOrdering::Amd;
+        let shape =
+            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, params).ok()?;
+        let mut factor = vec![0.0; shape.len_val()];
+        let room = shape.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        shape
+            .factorize_numeric_llt(
+                &mut factor,
+                matrix.as_ref(),
+                Side::Lower,
+                Default::default(),
+                Par::Seq,
+                MemStack::new(&mut MemBuffer::try_new(room).ok()?),
+                Default::default(),
+            )
+            .ok()?;
         drop(matrix);
-        let rhs = Mat::from_fn(n, 3, |i, d| self.rhs[i][d]);
-        let x = factor.solve(&rhs);
+        let mut x = Mat::from_fn(n, 3, |i, d| self.rhs[i][d]);
+        let room = shape.solve_in_place_scratch::<f64>(3, Par::Seq);
+        LltRef::new(&shape, &factor).solve_in_place_with_conj(
+            Conj::No,
+            x.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::try_new(room).ok()?),
+        );
         Some((0..n).map(|i| DVec3::new(x[(i, 0)], x[(i, 1)], x[(i, 2)])).collect())
     }
 }

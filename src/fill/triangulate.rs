@@ -68,8 +68,12 @@ pub fn triangulate(
     if n < 3 {
         return Ok(None);
     }
-    let chords = Chords::new(positions, polygon, all_pairs);
-    let triangles = Weights::minimise(positions, polygon, &chords, pace)?.triangles(&chords, n);
+    let points: Vec<DVec3> = polygon.corners.iter().map(|&v| positions[v as usize]).collect();
+    let around: f64 = (0..n).map(|i| points[i].distance(points[(i + 1) % n])).sum();
+    let fold_scale = FOLD_WEIGHT * around / std::f64::consts::TAU;
+    let chords = Chords::new(&points, polygon, all_pairs);
+    let corners = Corners { polygon, points, fold_scale };
+    let triangles = trace(&corners.minimise(&chords, pace)?, n);
     Ok((triangles.len() == n - 2).then(|| build_patch(positions, sizes, polygon, &triangles)))
 }
 
@@ -80,9 +84,18 @@ struct Chords {
 }
 
 impl Chords {
-    fn new(positions: &[DVec3], polygon: &Polygon, all_pairs: AllPairs) -> Self {
+    fn new(points: &[DVec3], polygon: &Polygon, all_pairs: AllPairs) -> Self {
         let n = polygon.corners.len();
-        let point = |i: usize| positions[polygon.corners[i] as usize];
+        // The two corners of a bridge's end are one vertex: no chord joins them.
+        let may_join = |i: usize, j: usize| j == i + 1 || polygon.corners[i] != polygon.corners[j];
+        if all_pairs.holds(polygon) {
+            let mut all = Self { start: vec![0], to: Vec::with_capacity(n * (n - 1) / 2) };
+            for i in 0..n {
+                all.to.extend((i + 1..n).filter(|&j| may_join(i, j)).map(|j| j as u32));
+                all.start.push(all.to.len());
+            }
+            return all;
+        }
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         let mut step = 1;
         loop {
@@ -91,7 +104,7 @@ impl Chords {
                 level.push(n - 1);
             }
             let m = level.len();
-            if m <= if step == 1 { all_pairs.whole } else { all_pairs.coarsest } {
+            if step > 1 && m <= all_pairs.coarsest {
                 for a in 0..m {
                     pairs.extend((a + 1..m).map(|b| (level[a] as u32, level[b] as u32)));
                 }
@@ -101,7 +114,7 @@ impl Chords {
                 let along = (a + 1)..(a + 1 + ALONG).min(m);
                 pairs.extend(along.map(|b| (level[a] as u32, level[b] as u32)));
             }
-            let points: Vec<DVec3> = level.iter().map(|&i| point(i)).collect();
+            let points: Vec<DVec3> = level.iter().map(|&i| points[i]).collect();
             nearest_pairs(&points, |a, b| {
                 pairs.push((level[a.min(b)] as u32, level[a.max(b)] as u32));
             });
@@ -109,11 +122,7 @@ impl Chords {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        // The two corners of a bridge's end are one vertex: no chord joins them.
-        let same = |&(i, j): &(u32, u32)| {
-            j == i + 1 || polygon.corners[i as usize] != polygon.corners[j as usize]
-        };
-        pairs.retain(same);
+        pairs.retain(|&(i, j)| may_join(i as usize, j as usize));
         let mut start = vec![0; n + 1];
         pairs.iter().for_each(|&(i, _)| start[i as usize + 1] += 1);
         for i in 0..n {
@@ -124,10 +133,6 @@ impl Chords {
 
     fn row(&self, i: usize) -> &[u32] {
         &self.to[self.start[i]..self.start[i + 1]]
-    }
-
-    fn find(&self, i: usize, j: u32) -> Option<usize> {
-        self.row(i).binary_search(&j).ok().map(|k| self.start[i] + k)
     }
 }
 
@@ -171,11 +176,13 @@ fn nearest_pairs(points: &[DVec3], mut f: impl FnMut(usize, usize)) {
 /// corners descend. Walking a column is what the time goes into, so each thing lies by itself.
 struct Columns {
     start: Vec<usize>,
-    corner: Vec<u32>,
-    weight: Vec<f64>,
-    chord: Vec<u32>,
     /// First filled place of each column.
     open: Vec<usize>,
+    corner: Vec<u32>,
+    /// The least weight of the part of the polygon behind the chord.
+    weight: Vec<f64>,
+    /// The corner that gives it: of the triangle at the chord.
+    apex: Vec<u32>,
 }
 
 impl Columns {
@@ -187,141 +194,173 @@ impl Columns {
         }
         let open = start[1..].to_vec();
         let m = chords.to.len();
-        let (corner, weight, chord) = (vec![0; m], vec![f64::INFINITY; m], vec![0; m]);
-        Self { start, corner, weight, chord, open }
+        let (corner, weight, apex) = (vec![0; m], vec![f64::INFINITY; m], vec![NONE; m]);
+        Self { start, open, corner, weight, apex }
     }
     fn filled(&self, j: u32) -> std::ops::Range<usize> {
         self.open[j as usize]..self.start[j as usize + 1]
     }
-    fn put(&mut self, i: usize, j: u32, weight: f64, chord: usize) {
+    fn put(&mut self, i: usize, j: u32, weight: f64, apex: u32) {
         self.open[j as usize] -= 1;
         let at = self.open[j as usize];
         self.corner[at] = i as u32;
         self.weight[at] = weight;
-        self.chord[at] = chord as u32;
+        self.apex[at] = apex;
+    }
+    /// The apex behind the chord (i, j).
+    fn apex(&self, i: u32, j: u32) -> Option<u32> {
+        let column = self.filled(j);
+        let k = self.corner[column.clone()].binary_search(&i).ok()?;
+        Some(self.apex[column.start + k]).filter(|&apex| apex != NONE)
     }
 }
 
-/// The least weight of the part of the polygon behind each chord, and the corner that gives it.
-struct Weights {
-    apex: Vec<u32>,
+/// What a triangulation is chosen from.
+struct Corners<'a> {
+    polygon: &'a Polygon,
+    points: Vec<DVec3>,
+    fold_scale: f64,
 }
 
-impl Weights {
-    fn minimise(
-        positions: &[DVec3],
-        polygon: &Polygon,
-        chords: &Chords,
-        pace: &mut Pace<'_>,
-    ) -> Result<Self> {
-        let n = polygon.corners.len();
-        let point = |i: usize| positions[polygon.corners[i] as usize];
-        let points: Vec<DVec3> = (0..n).map(point).collect();
-        let around: f64 = (0..n).map(|i| points[i].distance(points[(i + 1) % n])).sum();
-        let fold_scale = FOLD_WEIGHT * around / std::f64::consts::TAU;
-        let fold = |n: DVec3, m: DVec3, length: f64| fold_scale * length * bend(n, m);
-        let mut weight = vec![f64::INFINITY; chords.to.len()];
-        let mut normal = vec![DVec3::ZERO; chords.to.len()];
-        let mut apex = vec![NONE; chords.to.len()];
-        let mut length = vec![0.0; chords.to.len()];
+impl Corners<'_> {
+    fn fold(&self, n: DVec3, m: DVec3, length: f64) -> f64 {
+        self.fold_scale * length * bend(n, m)
+    }
+
+    /// Unit normal of the input face at an edge of the polygon; zero where that is a bridge.
+    fn beyond(&self, edge: usize) -> DVec3 {
+        match self.polygon.beyond[edge] {
+            Beyond::Face(normal) => normal,
+            Beyond::Bridge(_) => DVec3::ZERO,
+        }
+    }
+
+    /// Unit normal of the face behind the chord (i, j) whose apex is known. Made anew: kept, the normals
+    /// would be half of all that a triangulation takes.
+    fn normal(&self, i: usize, j: usize, apex: u32) -> DVec3 {
+        if j == i + 1 {
+            return self.beyond(i);
+        }
+        let (a, b, c) = (self.points[i], self.points[apex as usize], self.points[j]);
+        unit((b - a).cross(c - a)).0
+    }
+
+    /// The least weights, and the corners that give them.
+    fn minimise(&self, chords: &Chords, pace: &mut Pace<'_>) -> Result<Columns> {
+        let n = self.points.len();
         let mut columns = Columns::new(chords, n);
         // The chords of row i by their second corner; infinite where there is none.
         let mut left_weight = vec![f64::INFINITY; n];
-        let mut left_chord = vec![0u32; n];
+        let mut left_normal = vec![DVec3::ZERO; n];
         // Descending i, ascending j: the parts of a chord come before it.
         for i in (0..n).rev() {
             let row = chords.row(i);
-            let base = chords.start[i];
-            for (at, &j) in row.iter().enumerate() {
-                let chord = base + at;
-                left_chord[j as usize] = chord as u32;
-                let (a, c) = (points[i], points[j as usize]);
-                let chord2 = a.distance_squared(c);
-                length[chord] = chord2.sqrt();
-                if j as usize == i + 1 {
-                    weight[chord] = 0.0;
-                    if let Beyond::Face(face) = polygon.beyond[i] {
-                        normal[chord] = face;
-                    }
-                    columns.put(i, j, 0.0, chord);
-                    left_weight[j as usize] = 0.0;
-                    continue;
-                }
-                let filled = columns.filled(j);
-                let corners = &columns.corner[filled.clone()];
-                let rights = &columns.weight[filled.clone()];
-                let right_chords = &columns.chord[filled];
-                let sum = |k: usize| left_weight[corners[k] as usize] + rights[k];
-                // The apex with the cheapest parts first: its total rules most others out unseen.
-                let (mut cheapest, mut least) = (usize::MAX, f64::INFINITY);
-                for k in 0..corners.len() {
-                    if sum(k) < least {
-                        (cheapest, least) = (k, sum(k));
-                    }
-                }
-                let own = EDGE_WEIGHT * chord2;
-                let (mut best, mut best_normal, mut best_apex) = (f64::INFINITY, DVec3::ZERO, NONE);
-                let mut offer = |k: usize, best: &mut f64| {
-                    let mut total = sum(k) + own;
-                    let b = points[corners[k] as usize];
-                    let cross = (b - a).cross(c - a);
-                    let area2 = cross.length();
-                    total += 0.5 * area2;
-                    if total >= *best {
-                        return;
-                    }
-                    let unit = if area2 > 0.0 { cross / area2 } else { DVec3::ZERO };
-                    let left = left_chord[corners[k] as usize] as usize;
-                    let right = right_chords[k] as usize;
-                    total += fold(unit, normal[left], length[left])
-                        + fold(unit, normal[right], length[right]);
-                    if i == 0 && j as usize == n - 1 {
-                        if let Beyond::Face(face) = polygon.beyond[n - 1] {
-                            total += fold(unit, face, length[chord]);
-                        }
-                    }
-                    if total < *best {
-                        *best = total;
-                        (best_normal, best_apex) = (unit, corners[k]);
-                    }
+            for &j in row {
+                let (best, apex, normal) = if j as usize == i + 1 {
+                    (0.0, NONE, self.beyond(i))
+                } else {
+                    let filled = columns.filled(j);
+                    let parts = Parts {
+                        corners: &columns.corner[filled.clone()],
+                        rights: &columns.weight[filled.clone()],
+                        apexes: &columns.apex[filled],
+                        left_weight: &left_weight,
+                        left_normal: &left_normal,
+                    };
+                    pace.work(parts.corners.len())?;
+                    parts.least(self, i, j as usize)
                 };
-                if cheapest != usize::MAX {
-                    offer(cheapest, &mut best);
-                    for k in 0..corners.len() {
-                        if sum(k) + own < best && k != cheapest {
-                            offer(k, &mut best);
-                        }
-                    }
-                }
-                weight[chord] = best;
-                normal[chord] = best_normal;
-                apex[chord] = best_apex;
-                left_weight[j as usize] = best;
-                pace.work(corners.len())?;
-                columns.put(i, j, best, chord);
+                (left_weight[j as usize], left_normal[j as usize]) = (best, normal);
+                columns.put(i, j, best, apex);
             }
             row.iter().for_each(|&j| left_weight[j as usize] = f64::INFINITY);
         }
-        Ok(Self { apex })
+        Ok(columns)
+    }
+}
+
+/// What lies behind one chord (i, j): for each corner between, the parts to its left and right.
+struct Parts<'a> {
+    corners: &'a [u32],
+    rights: &'a [f64],
+    apexes: &'a [u32],
+    left_weight: &'a [f64],
+    left_normal: &'a [DVec3],
+}
+
+impl Parts<'_> {
+    #[inline]
+    fn sum(&self, k: usize) -> f64 {
+        self.left_weight[self.corners[k] as usize] + self.rights[k]
     }
 
-    /// The triangles in corner numbers.
-    fn triangles(&self, chords: &Chords, n: usize) -> Vec<[u32; 3]> {
-        let mut triangles = Vec::with_capacity(n.saturating_sub(2));
-        let mut stack = vec![(0u32, n as u32 - 1)];
-        while let Some((i, j)) = stack.pop() {
-            if j == i + 1 {
-                continue;
-            }
-            let Some(k) = chords.find(i as usize, j).map(|c| self.apex[c]) else { continue };
-            if k != NONE {
-                triangles.push([i, k, j]);
-                stack.push((i, k));
-                stack.push((k, j));
+    /// The least weight, its apex, and the normal there.
+    fn least(&self, all: &Corners<'_>, i: usize, j: usize) -> (f64, u32, DVec3) {
+        let n = all.points.len();
+        let (a, c) = (all.points[i], all.points[j]);
+        let chord2 = a.distance_squared(c);
+        let own = EDGE_WEIGHT * chord2;
+        // The apex with the cheapest parts first: its total rules most others out unseen.
+        let (mut cheapest, mut least) = (usize::MAX, f64::INFINITY);
+        for k in 0..self.corners.len() {
+            if self.sum(k) < least {
+                (cheapest, least) = (k, self.sum(k));
             }
         }
-        triangles
+        let mut best = (f64::INFINITY, NONE, DVec3::ZERO);
+        if cheapest == usize::MAX {
+            return best;
+        }
+        let offer = |k: usize, best: &mut (f64, u32, DVec3)| {
+            let mut total = self.sum(k) + own;
+            let at = self.corners[k] as usize;
+            let b = all.points[at];
+            let (normal, area2) = unit((b - a).cross(c - a));
+            total += 0.5 * area2;
+            if total >= best.0 {
+                return;
+            }
+            let right = all.normal(at, j, self.apexes[k]);
+            total += all.fold(normal, self.left_normal[at], a.distance(b))
+                + all.fold(normal, right, b.distance(c));
+            if i == 0 && j == n - 1 {
+                total += all.fold(normal, all.beyond(n - 1), chord2.sqrt());
+            }
+            if total < best.0 {
+                *best = (total, self.corners[k], normal);
+            }
+        };
+        offer(cheapest, &mut best);
+        for k in 0..self.corners.len() {
+            if self.sum(k) + own < best.0 && k != cheapest {
+                offer(k, &mut best);
+            }
+        }
+        best
     }
+}
+
+/// A vector's direction, zero without one, and its length.
+fn unit(v: DVec3) -> (DVec3, f64) {
+    let length = v.length();
+    (if length > 0.0 { v / length } else { DVec3::ZERO }, length)
+}
+
+/// The triangles behind the chord (0, n − 1), in corner numbers.
+fn trace(columns: &Columns, n: usize) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::with_capacity(n.saturating_sub(2));
+    let mut stack = vec![(0u32, n as u32 - 1)];
+    while let Some((i, j)) = stack.pop() {
+        if j == i + 1 {
+            continue;
+        }
+        if let Some(k) = columns.apex(i, j) {
+            triangles.push([i, k, j]);
+            stack.push((i, k));
+            stack.push((k, j));
+        }
+    }
+    triangles
 }
 
 /// The cost of the angle between two faces: nothing when flat, 1 at 90°, 2 + `FOLD_BACK` when

@@ -69,18 +69,57 @@ const CHUNK: usize = 1 << 16;
 pub struct Neighbourhood {
     /// Input index of each local vertex, ascending.
     pub vertices: Vec<u32>,
-    /// Their positions, in mesh units.
-    pub positions: Vec<DVec3>,
+    /// Their positions.
+    pub positions: Positions,
     /// Local vertices of each face, in input order.
     pub faces: Vec<[u32; 3]>,
-    /// Input index of each face.
-    pub face_ids: Vec<u32>,
+}
+
+/// Positions in mesh units, in the precision of the input: around a wide hole they are most of the mesh.
+#[derive(Debug, Clone)]
+pub enum Positions {
+    /// f32.
+    Single(Vec<[f32; 3]>),
+    /// f64.
+    Double(Vec<DVec3>),
+}
+
+impl Default for Positions {
+    fn default() -> Self {
+        Self::Double(Vec::new())
+    }
+}
+
+impl Positions {
+    /// How many.
+    #[inline]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Single(p) => p.len(),
+            Self::Double(p) => p.len(),
+        }
+    }
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// One of them.
+    #[inline]
+    pub fn get(&self, v: u32) -> DVec3 {
+        match self {
+            Self::Single(p) => {
+                let [x, y, z] = p[v as usize];
+                DVec3::new(x.into(), y.into(), z.into())
+            }
+            Self::Double(p) => p[v as usize],
+        }
+    }
 }
 
 impl Neighbourhood {
     /// Copies every face whose box meets one of `boxes`. Two linear passes.
     pub fn gather(mesh: MeshView<'_>, boxes: &[Bounds], monitor: &Monitor) -> Result<Self> {
-        let grid = Grid::new(boxes);
+        let grid = Grid::of(boxes);
         let codes = outcodes(mesh, &grid, monitor)?;
         let mut face_ids = Vec::new();
         for f in 0..mesh.faces.len() {
@@ -103,6 +142,7 @@ impl Neighbourhood {
     fn copy_out(mesh: MeshView<'_>, face_ids: Vec<u32>) -> Self {
         let mut faces: Vec<[u32; 3]> =
             face_ids.iter().map(|&f| mesh.faces.get(f as usize)).collect();
+        drop(face_ids);
         let (first, last) =
             faces.iter().flatten().fold((NONE, 0), |(a, b), &v| (a.min(v), b.max(v)));
         let span = if faces.is_empty() { 0 } else { (last - first) as usize + 1 };
@@ -124,16 +164,23 @@ impl Neighbourhood {
             let find = |v: u32| vertices.partition_point(|&w| w < v) as u32;
             faces.iter_mut().flatten().for_each(|v| *v = find(*v));
         }
-        let positions =
-            vertices.iter().map(|&v| DVec3::from(mesh.vertices.get(v as usize))).collect();
-        Self { vertices, positions, faces, face_ids }
+        let at = vertices.iter().map(|&v| mesh.vertices.get(v as usize));
+        let positions = match mesh.vertices.is_single() {
+            true => Positions::Single(at.map(|p| p.map(|x| x as f32)).collect()),
+            false => Positions::Double(at.map(DVec3::from).collect()),
+        };
+        Self { vertices, positions, faces }
+    }
+
+    /// The corners of a face.
+    #[inline]
+    pub fn corners(&self, f: u32) -> [DVec3; 3] {
+        self.faces[f as usize].map(|v| self.positions.get(v))
     }
 
     /// The box of a face.
-    fn face_box(&self, f: usize) -> Bounds {
-        let [a, b, c] = self.faces[f];
-        let p = |v: u32| self.positions[v as usize];
-        Bounds::of_triangle([p(a), p(b), p(c)])
+    fn face_box(&self, f: u32) -> Bounds {
+        Bounds::of_triangle(self.corners(f))
     }
 
     /// Local index of an input vertex.
@@ -184,10 +231,13 @@ impl FacePlaces {
     /// Sorts the faces, if that pays for the number of holes.
     pub fn new(near: &Neighbourhood, holes: usize) -> Self {
         if holes < FEW_HOLES {
-            return Self { grid: Grid::new(&[]), start: vec![], faces: vec![] };
+            return Self { grid: Grid::of(&[]), start: vec![], faces: vec![] };
         }
-        let grid = Grid::new(&[Bounds::of(near.positions.iter().copied())]);
-        let cells: Vec<_> = (0..near.faces.len()).map(|f| grid.range(&near.face_box(f))).collect();
+        let grid = Grid::of(&[Bounds::of(
+            (0..near.positions.len() as u32).map(|v| near.positions.get(v)),
+        )]);
+        let cells: Vec<_> =
+            (0..near.faces.len() as u32).map(|f| grid.range(&near.face_box(f))).collect();
         let mut start = vec![0u32; grid.full.len() + 1];
         cells.iter().for_each(|c| grid.visit(c, |i| start[i + 1] += 1));
         for i in 1..start.len() {
@@ -206,7 +256,7 @@ impl FacePlaces {
 
     /// The faces whose box meets `query`, ascending.
     pub fn meeting(&self, near: &Neighbourhood, query: &Bounds) -> Vec<u32> {
-        let meets = |f: &u32| near.face_box(*f as usize).overlaps(query);
+        let meets = |f: &u32| near.face_box(*f).overlaps(query);
         if self.start.is_empty() {
             return (0..near.faces.len() as u32).filter(meets).collect();
         }
@@ -237,24 +287,29 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Marks the cells.
-    pub fn new(boxes: &[Bounds]) -> Self {
-        let bounds = boxes.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
+    /// Marks the cells of some boxes.
+    pub fn of(boxes: &[Bounds]) -> Self {
+        Self::new(boxes.iter().copied())
+    }
+
+    /// The same for boxes that are made twice rather than kept.
+    pub fn new(boxes: impl ExactSizeIterator<Item = Bounds> + Clone) -> Self {
+        let bounds = boxes.clone().fold(Bounds::EMPTY, Bounds::union);
         let extent = (bounds.max - bounds.min).max(DVec3::ZERO);
         let cell = (extent.max_element() / CELLS).max(f64::MIN_POSITIVE);
         let size = [0, 1, 2].map(|d| (extent[d] / cell) as usize + 1);
         let last = DVec3::from(size.map(|n| (n - 1) as f64));
         let full = vec![false; size.iter().product()];
         let mut grid = Self { bounds, scale: 1.0 / cell, last, size, full, boxes: vec![] };
+        // With few boxes an exact test is cheap and keeps the copy small.
+        if boxes.len() <= 4 {
+            grid.boxes = boxes.clone().collect();
+        }
         for b in boxes {
-            let range = grid.range(b);
+            let range = grid.range(&b);
             let mut full = std::mem::take(&mut grid.full);
             grid.visit(&range, |i| full[i] = true);
             grid.full = full;
-        }
-        // With few boxes an exact test is cheap and keeps the copy small.
-        if boxes.len() <= 4 {
-            grid.boxes = boxes.to_vec();
         }
         grid
     }

@@ -14,7 +14,7 @@ use crate::fill::sheet::Incidence;
 use crate::matching::rigid::Rigid;
 use crate::matching::source::tests::{hills, some_transform};
 use crate::matching::source::Source;
-use crate::mesh::neighbourhood::Neighbourhood;
+use crate::mesh::neighbourhood::{Neighbourhood, Positions};
 use crate::mesh::MeshView;
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
@@ -66,9 +66,8 @@ impl Object {
         let patch = Patch::of_triangles(positions, sizes, rim.len(), triangles);
         let near = Neighbourhood {
             vertices: (0..n as u32).collect(),
-            positions: self.positions.clone(),
+            positions: Positions::Double(self.positions.clone()),
             faces: part(false).collect(),
-            face_ids: Vec::new(),
         };
         let incidence = Incidence::new(&near);
         Domain::new(&patch, &near, &incidence, &rim, edges.0 / edges.1, extent).unwrap()

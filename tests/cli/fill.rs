@@ -213,6 +213,12 @@ fn the_ending_of_the_output_says_the_format() {
             (&"PLY".into(), &format.into())
         );
     }
+    // What a format has no place for is told.
+    let (_, told) = place.expect(0, "fill in.ply -o out.stl");
+    assert!(
+        told.contains("lost in the conversion to STL: the numbering of the vertices"),
+        "{told}"
+    );
     // Only PLY has a place for it.
     place.expect(3, "fill in.ply -o marked.obj --provenance");
     assert!(!place.path("marked.obj").exists());
