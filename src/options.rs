@@ -1,6 +1,7 @@
 //! What the caller may choose. Every default is what a user who knows nothing should get.
 
 use crate::error::{Error, Result};
+use crate::guidance::Guidance;
 use std::sync::Arc;
 
 /// How a fill is made.
@@ -274,6 +275,8 @@ pub struct Options {
     pub initial: Option<Arc<Initial>>,
     /// What may be copied from. Only `Method::Coherent` can be told.
     pub sources: Sources,
+    /// Where to copy from, given by hand. Only `Method::Coherent` can be told.
+    pub guidance: Guidance,
     /// What the vertices carry; its first channels help `Method::Coherent` to find the sources.
     pub appearance: Option<Arc<Appearance>>,
     /// Fill the other holes when a selected one is unsafe or fails, and say so in its
@@ -284,6 +287,14 @@ pub struct Options {
 }
 
 impl Options {
+    /// With what the guidance says of the sources: a placement is one of the exemplar alone.
+    pub(crate) fn guided(&self) -> Self {
+        let mut options = self.clone();
+        options.sources.exemplar_only |=
+            self.guidance.placement.is_some() && self.sources.exemplar.is_some();
+        options
+    }
+
     /// Checks every range. Called by every completion.
     pub fn check(&self) -> Result<()> {
         let bad = |name, reason: String| Err(Error::InvalidOption { name, reason });
@@ -299,6 +310,7 @@ impl Options {
         if self.method == Method::Harary && self.sources.are_chosen() {
             return bad("sources", "the method harary copies from the whole mesh".into());
         }
+        self.guidance.check(self.method)?;
         match &self.selection {
             Selection::MaxCircumference(l) | Selection::MaxDiameter(l)
                 if l.is_nan() || *l <= 0.0 =>

@@ -2,6 +2,7 @@
 //! or nothing.
 
 use super::args::FillArgs;
+use super::candidates;
 use super::console::Console;
 use super::failure::Failure;
 use super::output::{same_file, Outputs};
@@ -42,6 +43,10 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     }
     if let Some(path) = &args.initial {
         options.initial = Some(Arc::new(initial(path, &document)?));
+    }
+    if let Some(count) = args.guidance.candidates {
+        let exemplar = exemplar.as_ref();
+        return candidates::run(args, count, &options, &input, &document, exemplar, console);
     }
     let (holes, completion) = complete(&document, &options, console)?;
     let extras = Extras { provenance: args.provenance };

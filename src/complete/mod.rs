@@ -3,6 +3,7 @@
 
 mod check;
 mod coherent;
+mod guided;
 pub mod harary;
 mod initial;
 mod library;
@@ -11,6 +12,7 @@ mod workers;
 
 use crate::error::{Error, Result};
 use crate::fill::sheet::Incidence;
+use crate::guidance::Guidance;
 use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
@@ -27,6 +29,7 @@ use glam::DVec3;
 use initial::InitialFaces;
 use library::Library;
 use smooth::{fill_hole, Fill, Surroundings};
+use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -136,6 +139,7 @@ impl<'a> Completer<'a> {
     pub fn complete(&self, options: &Options, monitor: &Monitor) -> Result<Completion> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
         options.check()?;
+        let options = &options.guided();
         options.sources.check(self.mesh.faces.len())?;
         let vertices = self.mesh.vertices.len();
         if let Some(appearance) = &options.appearance {
@@ -186,6 +190,32 @@ impl<'a> Completer<'a> {
         let last = Some((asked, completion.clone()));
         *self.last.lock().unwrap_or_else(PoisonError::into_inner) = last;
         Ok(completion)
+    }
+
+    /// The `count` best candidates, best first: the completion that each alone makes, with its transform,
+    /// error and confidence in the reports. Fewer if there are fewer; of holes that have different numbers
+    /// as many as one has, and those that have no more get smooth fills. None if nothing serves.
+    /// The search is done once. `options.guidance.candidate` is not read.
+    pub fn candidates(
+        &self,
+        count: usize,
+        options: &Options,
+        monitor: &Monitor,
+    ) -> Result<Vec<Completion>> {
+        let mut all = Vec::new();
+        for candidate in 1..=count {
+            let guidance = Guidance { candidate, ..options.guidance.clone() };
+            let done = |part: f64| (candidate as f64 - 1.0 + part) / count as f64;
+            let report = |part: f64, stage: &str| monitor.step(done(part), stage).is_ok();
+            let own = Options { guidance, ..options.clone() };
+            let made = self.complete(&own, &Monitor::new(&report))?;
+            if made.holes.iter().all(|h| h.candidates < candidate) {
+                break;
+            }
+            all.push(made);
+        }
+        monitor.step(1.0, "done")?;
+        Ok(all)
     }
 
     /// The last result, if the same was asked for.
@@ -259,8 +289,11 @@ impl<'a> Completer<'a> {
                 true => None,
                 false => fill_hole(&around.standard(), &loops, obstacles, &|_| late(0.0))?.ok(),
             };
-            let search = Search { library: &library, from: standard.as_ref(), threads };
+            let (guidance, candidates) = (&options.guidance, &Cell::new(0));
+            let (library, from) = (&library, standard.as_ref());
+            let search = Search { library, from, guidance, candidates, threads };
             self.continue_fill(around, obstacles, fill, &search, &late)?;
+            fill.candidates = candidates.get();
         }
         let seconds = clock.elapsed().as_secs_f64();
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
@@ -410,6 +443,7 @@ impl<'a> Completer<'a> {
                     report.method = fill.method;
                     report.coherence_error = fill.coherence_error;
                     report.fairing = fill.fairing;
+                    report.candidates = fill.candidates;
                     if let Some(story) = fill.story {
                         report.sources = story.sources;
                         report.seams = story.seams;
@@ -446,6 +480,7 @@ fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
         sources: Vec::new(),
         seams: Vec::new(),
         ring: Vec::new(),
+        candidates: 0,
         confidence: 0.0,
         coherence_error: None,
         vertices: 0..0,
