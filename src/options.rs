@@ -190,6 +190,53 @@ pub struct Exemplar {
     pub vertices: Vec<[f64; 3]>,
     /// Three vertex indices each, counter-clockwise seen from outside.
     pub faces: Vec<[u32; 3]>,
+    /// How many vertices each of several meshes has, one after the other in the lists: each may lie
+    /// anywhere, on top of another, too. Empty: they are one.
+    pub parts: Vec<usize>,
+}
+
+impl Exemplar {
+    /// Several exemplars in one, in their order.
+    pub fn joined(all: &[Exemplar]) -> Self {
+        let mut joined = Self::default();
+        for one in all {
+            let first = joined.vertices.len() as u32;
+            joined.vertices.extend_from_slice(&one.vertices);
+            joined.faces.extend(one.faces.iter().map(|f| f.map(|v| v.saturating_add(first))));
+            match one.parts.is_empty() {
+                true => joined.parts.push(one.vertices.len()),
+                false => joined.parts.extend_from_slice(&one.parts),
+            }
+        }
+        joined
+    }
+
+    fn check_parts(&self) -> std::result::Result<(), String> {
+        if self.parts.is_empty() {
+            return Ok(());
+        }
+        let sum = self.parts.iter().fold(0usize, |sum, &n| sum.saturating_add(n));
+        if sum != self.vertices.len() {
+            let n = self.vertices.len();
+            return Err(format!("the exemplar's parts have {sum} vertices, but it has {n}"));
+        }
+        let part = |v: u32| self.part_of(v);
+        let whole = |f: &[u32; 3]| part(f[0]) == part(f[1]) && part(f[0]) == part(f[2]);
+        match self.faces.iter().position(|f| !whole(f)) {
+            Some(f) => Err(format!("the exemplar's face {f} joins two parts")),
+            None => Ok(()),
+        }
+    }
+
+    /// The part that a vertex belongs to.
+    pub(crate) fn part_of(&self, vertex: u32) -> usize {
+        let mut last = 0;
+        let beyond = |&n: &usize| {
+            last += n;
+            last > vertex as usize
+        };
+        self.parts.iter().position(beyond).unwrap_or(0)
+    }
 }
 
 impl Sources {
@@ -226,7 +273,7 @@ impl Sources {
         if let Some(f) = exemplar.faces.iter().position(|f| !inside(f)) {
             return bad(format!("the exemplar's face {f} names a vertex that does not exist"));
         }
-        Ok(())
+        exemplar.check_parts().or_else(bad)
     }
 }
 
@@ -290,8 +337,13 @@ impl Options {
     /// With what the guidance says of the sources: a placement is one of the exemplar alone.
     pub(crate) fn guided(&self) -> Self {
         let mut options = self.clone();
-        options.sources.exemplar_only |=
-            self.guidance.placement.is_some() && self.sources.exemplar.is_some();
+        if self.guidance.placement.is_some() {
+            options.sources.exemplar_only |= self.sources.exemplar.is_some();
+            // All parts are placed together, as they lie.
+            if let Some(exemplar) = options.sources.exemplar.as_mut().filter(|e| !e.parts.is_empty()) {
+                *exemplar = Arc::new(Exemplar { parts: Vec::new(), ..(**exemplar).clone() });
+            }
+        }
         options
     }
 

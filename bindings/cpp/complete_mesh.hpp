@@ -337,6 +337,15 @@ struct Options {
   std::uint32_t value_channels = 0;
   // How many of them, from the first on, help to find what is copied: 3 for red, green and blue.
   std::uint32_t steering_channels = 0;
+  // The one place to copy from, given by hand: a transform as in Source; empty: places are searched for.
+  std::optional<std::array<double, 12>> placement = {};
+  // Improve the placement by what is known around the hole.
+  bool refine = false;
+  // Which of the places found a fill is made from, counted from 1; 0: all together. See
+  // Hole::candidate_count and Completer::candidates.
+  std::uint32_t candidate = 0;
+  // Least and greatest factor by which sources may be scaled; empty: they are not.
+  std::optional<std::array<double, 2>> scale_range = {};
 };
 
 // ---- failures ---------------------------------------------------------------------------------
@@ -421,6 +430,7 @@ struct Hole {
   double confidence;
   double coherence_error_before;
   double coherence_error_after;
+  std::uint32_t candidate_count;
 };
 
 // See complete_mesh_source.
@@ -458,7 +468,7 @@ class Holes {
             c.loop_count, c.edge_count, c.circumference, c.diameter,
             {c.centre[0], c.centre[1], c.centre[2]}, c.first_new_vertex, c.new_vertex_count,
             c.first_new_face, c.new_face_count, c.seconds, c.source_count, c.confidence,
-            c.coherence_error_before, c.coherence_error_after};
+            c.coherence_error_before, c.coherence_error_after, c.candidate_count};
   }
   iterator begin() const { return iterator(this, 0); }
   iterator end() const { return iterator(this, size()); }
@@ -613,6 +623,7 @@ class Call {
     set(options);
     set_sources<Scalar>(options, mesh.face_count);
     set_values(options, mesh.vertex_count);
+    set_guidance(options);
     if (progress_) {
       c_.progress = &Call::report;
       c_.progress_user = this;
@@ -693,6 +704,14 @@ class Call {
     c_.exemplar_values = options.exemplar_values.empty() ? nullptr : options.exemplar_values.data();
     c_.value_channels = options.value_channels;
     c_.steering_channels = options.steering_channels;
+  }
+  void set_guidance(const Options& options) {
+    c_.placement = options.placement ? options.placement->data() : nullptr;
+    c_.refine = options.refine ? 1 : 0;
+    c_.candidate = options.candidate;
+    if (!options.scale_range) return;
+    c_.least_scale = (*options.scale_range)[0];
+    c_.greatest_scale = (*options.scale_range)[1];
   }
   void fits(const char* name, const std::vector<double>& values, std::size_t channels, std::size_t count) {
     if (values.empty() || values.size() == channels * count || refused_) return;
@@ -798,6 +817,9 @@ class Completer {
   explicit Completer(const MeshView<Scalar>& mesh, const Options& options = {})
       : Completer(make(mesh, options).take()) {}
   Result<Scalar> complete(const Options& options = {}) const { return try_complete(options).take(); }
+  std::vector<Result<Scalar>> candidates(std::size_t count, const Options& options = {}) const {
+    return try_candidates(count, options).take();
+  }
 #endif
   static Outcome<Completer> make(const MeshView<Scalar>& mesh, const Options& options = {}) {
     detail::Call call(options, mesh);
@@ -822,6 +844,21 @@ class Completer {
         complete_mesh_completer_complete(get(), call.options(), &result);
     if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
     return Result<Scalar>(result, options.value_channels);
+  }
+  // The completions that the best places alone make, best first, `count` at most; the places are
+  // searched for once. options.candidate is not used.
+  Outcome<std::vector<Result<Scalar>>> try_candidates(std::size_t count, Options options = {}) const {
+    std::vector<Result<Scalar>> made;
+    while (made.size() < count) {
+      options.candidate = static_cast<std::uint32_t>(made.size() + 1);
+      auto result = try_complete(options);
+      if (!result) return result.failure();
+      bool more = false;
+      for (const Hole& hole : result->holes()) more = more || hole.candidate_count >= options.candidate;
+      if (!more) break;
+      made.push_back(std::move(*result));
+    }
+    return made;
   }
   Holes holes() const {
     return Holes(std::shared_ptr<const complete_mesh_holes>(completer_,

@@ -313,11 +313,19 @@ fn tell(
     let ring = places_on_ring(views, labels).map(seam).collect();
     let mut used = vec![0; all.len()];
     labels.iter().flatten().for_each(|&l| used[place(l) as usize] += 1);
+    // As the exemplar lies, of which it is.
+    let given = |&(w, k): &(usize, usize)| {
+        let copy = &views[w].copies[k];
+        let at = copy.places.iter().flatten().next();
+        at.map_or(copy.transform, |at| {
+            source.as_given(&copy.transform, source.face_ids[at.face as usize])
+        })
+    };
     let sources = all
         .iter()
         .zip(used)
         .map(|(l, vertices)| SourceReport {
-            transform: views[l.0].copies[l.1].transform,
+            transform: given(l),
             error: views[l.0].fitted.error[l.1],
             weight: share(l),
             vertices,

@@ -8,7 +8,7 @@ use crate::matching::icp::{misfit, RingPoint};
 use crate::matching::rigid::Rigid;
 use crate::matching::ring_pattern::Candidate;
 use crate::matching::search::{find_candidates, thin_ring, Target, POINTS};
-use crate::matching::similarity::{refine, scale_of, scaled, scaling};
+use crate::matching::similarity::{gap, refine, scale_of, scaled, scaling};
 use crate::options::Exemplar;
 use crate::parallel;
 use crate::synthesis::view::{View, HOPELESS};
@@ -22,8 +22,9 @@ const SCALE_STEP: f64 = 1.1;
 const TRIED: usize = 8;
 /// Candidates kept of all scales.
 const KEPT: usize = 40;
-/// A misfit of less than this part of an edge is an exact copy: no other scale is tried.
-const EXACT: f64 = 0.02;
+/// A misfit and a gap of less than these parts of an edge are an exact copy's: no other scale is tried, and
+/// only such copies are kept. Two samplings of one surface differ by more.
+const EXACT: (f64, f64) = (0.1, 1e-3);
 /// Farthest that a partner may lie, in hole radii, as in the search.
 const REACH: f64 = 0.5;
 /// Two transforms that lay the hole onto places nearer to each other than this, in hole radii (root mean
@@ -138,8 +139,15 @@ fn search_scales(
             };
             all[w].extend(parallel::map(list.len(), threads, &|| part(0.9), &align)?);
         }
-        let exact = |list: &Vec<Candidate>| list.iter().any(|c| c.cost < EXACT * known.edge);
-        if all.iter().all(exact) {
+        let is_exact = |c: &Candidate, w: usize| {
+            c.cost < EXACT.0 * known.edge
+                && gap(library.source(), &rings[w], &c.transform, radius) < EXACT.1 * known.edge
+        };
+        let exact: Vec<Vec<Candidate>> = (all.iter().enumerate())
+            .map(|(w, list)| list.iter().filter(|c| is_exact(c, w)).copied().collect())
+            .collect();
+        if exact.iter().all(|list| !list.is_empty()) {
+            all = exact;
             break;
         }
     }

@@ -19,6 +19,8 @@ const STEPS: usize = 40;
 const STILL: f64 = 1e-9;
 /// Greatest change of scale: twice what lies between two hypotheses (10 %).
 const MOST: f64 = 1.2;
+/// Where shape alone moves a point by less than this, in edges, it is more exact than the colours.
+const NEAR: f64 = 0.2;
 /// Fewest pairs for the seven unknowns, as many as [`super::icp`] asks for.
 const LEAST_PAIRS: usize = 12;
 
@@ -59,6 +61,7 @@ pub fn scaled(source: &Source, factor: f64, check: &dyn Fn() -> Result<()>) -> R
         area: factor * factor * source.area,
         edge: factor * source.edge,
         roughness: source.roughness.clone(),
+        shifts: source.shifts.iter().map(|&(face, by)| (face, factor * by)).collect(),
         lengths: source.lengths.iter().map(|l| factor * l).collect(),
         paint,
     })
@@ -73,12 +76,49 @@ pub fn refine(
     with_scale: bool,
     radius: f64,
 ) -> Rigid {
+    let reach = radius * scale_of(&start.inverse());
+    let found = run(source, ring, start, with_scale, reach, worth(source));
+    if worth(source) == 0.0 {
+        return found;
+    }
+    // Smoothed tints differ where the hole cut their surroundings off: the last word is the shape's, where
+    // it has something to say.
+    let last = run(source, ring, &found, with_scale, reach, 0.0);
+    let moved = ring.iter().map(|p| last.inverse().point(p.0).distance(found.inverse().point(p.0)));
+    match moved.fold(0.0, f64::max) < NEAR * source.edge {
+        true => last,
+        false => found,
+    }
+}
+
+/// Root mean square distance of the ring from the planes at its partners, in units of the target; those
+/// without one count as `radius`.
+pub fn gap(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f64) -> f64 {
+    let back = transform.inverse();
+    let scale = scale_of(&back);
+    let square = |p: &RingPoint| {
+        let at = back.point(p.0);
+        let hint = &mut Hint::NOTHING.clone();
+        let met = find_partner(source, at, Partner::Surface, scale * radius, hint);
+        met.map_or(radius, |(q, m, ..)| (q - at).dot(m) / scale).powi(2)
+    };
+    (ring.iter().map(square).sum::<f64>() / ring.len().max(1) as f64).sqrt()
+}
+
+fn run(
+    source: &Source,
+    ring: &[RingPoint],
+    start: &Rigid,
+    with_scale: bool,
+    reach: f64,
+    paint: f64,
+) -> Rigid {
     let first = start.inverse();
     let mut back = first;
-    let reach = radius * scale_of(&first);
     let mut hints = vec![Hint::NOTHING; ring.len()];
     for _ in 0..STEPS {
-        let Some(step) = improve(source, ring, &back, with_scale, reach, &mut hints) else { break };
+        let step = improve(source, ring, &back, with_scale, reach, paint, &mut hints);
+        let Some(step) = step else { break };
         let new = step.after(&back);
         let moved = ring.iter().map(|p| new.point(p.0).distance(back.point(p.0)));
         let moved = moved.fold(0.0, f64::max);
@@ -103,9 +143,9 @@ fn improve(
     back: &Rigid,
     with_scale: bool,
     reach: f64,
+    paint: f64,
     hints: &mut [Hint],
 ) -> Option<Rigid> {
-    let paint = worth(source);
     let mut pairs: Vec<(Row, Row)> = Vec::with_capacity(ring.len());
     for (&(p, n, tint), hint) in ring.iter().zip(hints) {
         let (p, n) = (back.point(p), back.direction(n).normalize_or_zero());

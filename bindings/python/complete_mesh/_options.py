@@ -55,6 +55,10 @@ class Call:
         vertex_values: Optional[ArrayLike] = None,
         exemplar_values: Optional[ArrayLike] = None,
         steering_channels: int = 0,
+        placement: Optional[ArrayLike] = None,
+        refine: bool = False,
+        candidate: int = 0,
+        scale_range: Optional[Sequence[float]] = None,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -82,6 +86,7 @@ class Call:
         options.unmirrored = bool(unmirrored)
         self._set_surface("initial", initial_vertices, initial_faces, mesh)
         self._set_values(vertex_values, exemplar_values, steering_channels, len(mesh.vertices))
+        self._set_guidance(placement, refine, candidate, scale_range)
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
@@ -195,6 +200,32 @@ class Call:
         kept = np.array(array, np.uint32)
         self._kept.append(kept)
         return kept.ctypes.data
+
+    def _set_guidance(
+        self,
+        placement: Optional[ArrayLike],
+        refine: bool,
+        candidate: int,
+        scale_range: Optional[Sequence[float]],
+    ) -> None:
+        if placement is not None:
+            matrix = np.array(placement, np.float64)
+            if matrix.shape == (4, 4) and (matrix[3] == (0, 0, 0, 1)).all():
+                matrix = matrix[:3]
+            if matrix.shape != (3, 4):
+                raise ValueError(
+                    f"placement has the shape {np.shape(placement)}, but must be a matrix of (3, 4), "
+                    "or of (4, 4) whose last row is 0, 0, 0, 1"
+                )
+            kept = np.ascontiguousarray(matrix)
+            self._kept.append(kept)
+            self.options.placement = kept.ctypes.data
+        self.options.refine = bool(refine)
+        self.options.candidate = _unsigned("candidate", candidate)
+        if scale_range is not None:
+            # 0 and 0 are the default of the library, and would be ignored.
+            least, greatest = (float(x) or np.nan for x in scale_range)
+            self.options.least_scale, self.options.greatest_scale = least, greatest
 
     def _set_progress(self, progress: Optional[Progress]) -> None:
         def report(_user: Any, fraction: float, stage: bytes) -> int:

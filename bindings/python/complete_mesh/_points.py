@@ -104,6 +104,10 @@ def complete_points(
     vertex_values: Optional[ArrayLike] = None,
     exemplar_values: Optional[ArrayLike] = None,
     steering_channels: int = 0,
+    placement: Optional[ArrayLike] = None,
+    refine: bool = False,
+    candidate: int = 0,
+    scale_range: Optional[Sequence[float]] = None,
     threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> PointResult:
@@ -149,6 +153,10 @@ def complete_points(
         vertex_values=vertex_values,
         exemplar_values=exemplar_values,
         steering_channels=steering_channels,
+        placement=placement,
+        refine=refine,
+        candidate=candidate,
+        scale_range=scale_range,
         threads=threads,
         progress=progress,
     )

@@ -1,0 +1,90 @@
+// Fills guided by hand: a transform, a candidate, a range of scales.
+#include <cmath>
+
+#include "suite.hpp"
+
+namespace {
+
+struct ball bumpy;
+struct whole_ball whole;
+
+template <class Scalar>
+Ball<Scalar> broken() {
+  Ball<Scalar> ball = make_ball_of<Scalar>();
+  for (std::size_t v = 0; v < ball.vertices.size(); ++v)
+    for (std::size_t k = 0; k < 3; ++k) ball.vertices[v][k] = bumpy.vertices[v][k];
+  return ball;
+}
+
+template <class Scalar>
+double error_of(const mc::Result<Scalar>& result) {
+  std::vector<float> places;
+  for (const auto& p : result.new_vertices()) places.insert(places.end(), p.begin(), p.end());
+  CHECK(!places.empty());
+  return off_whole(&whole, places.data(), places.size() / 3);
+}
+
+// The twin lies 5 farther along x and is three times as large.
+mc::Surface make_twin() {
+  struct whole_ball elsewhere = whole;
+  for (auto& p : elsewhere.vertices)
+    for (std::size_t k = 0; k < 3; ++k) p[k] = 3 * (p[k] + (k == 0 ? 5.0f : 0.0f));
+  return mc::surface(elsewhere.vertices, elsewhere.faces);
+}
+
+template <class Scalar>
+void check_placement() {
+  const Ball<Scalar> ball = broken<Scalar>();
+  const auto mesh = mc::view(ball.vertices, ball.faces);
+  mc::Options options;
+  options.exemplar = make_twin();
+  options.placement = {1. / 3, 0, 0, -5, 0, 1. / 3, 0, 0, 0, 0, 1. / 3, 0};
+  const auto exact = mc::complete(mesh, options);
+  CHECK(error_of(exact) < 1e-4);
+  for (const mc::Hole& hole : exact.holes())
+    for (const mc::Source& source : exact.holes().sources(hole.id))
+      CHECK(source.transform == *options.placement && !source.mirrored);
+  (*options.placement)[7] += 0.03;
+  const double off = error_of(mc::complete(mesh, options));
+  options.refine = true;
+  CHECK(off > 1e-3 && error_of(mc::complete(mesh, options)) < 0.3 * off);
+  (*options.placement)[5] = 2;
+  CHECK(mc::try_complete(mesh, options).status() == mc::Status::invalid_option);
+  options.placement.reset();
+  CHECK(mc::try_complete(mesh, options).status() == mc::Status::invalid_option);
+  options.refine = false;
+  options.exemplar_only = true;
+  const double without = error_of(mc::complete(mesh, options));
+  options.scale_range = {0.3, 0.4};
+  CHECK(error_of(mc::complete(mesh, options)) < 0.1 * without);
+}
+
+void check_candidates() {
+  const Ball<double> ball = broken<double>();
+  const mc::Completer<double> completer(mc::view(ball.vertices, ball.faces));
+  const auto all = completer.candidates(3);
+  CHECK(all.size() >= 2);
+  mc::Options options;
+  for (const auto& made : all) {
+    ++options.candidate;
+    const auto again = completer.complete(options);
+    CHECK(again.new_vertices().size() == made.new_vertices().size());
+    for (std::size_t v = 0; v < again.new_vertices().size(); ++v)
+      CHECK(again.new_vertices()[v] == made.new_vertices()[v]);
+    for (const mc::Hole& hole : made.holes()) CHECK(hole.source_count <= 1);
+  }
+  options.candidate = UINT32_MAX;
+  CHECK(completer.complete(options).holes()[0].source_count == 0);
+}
+
+}  // namespace
+
+void test_guidance() {
+  make_ball(&bumpy, 1);
+  add_bumps(bumpy.vertices, VERTICES);
+  make_whole_ball(&whole);
+  add_bumps(whole.vertices, WHOLE_VERTICES);
+  check_placement<float>();
+  check_placement<double>();
+  check_candidates();
+}
