@@ -6,11 +6,13 @@ use crate::matching::rigid::Rigid;
 use crate::matching::similarity::scale_of;
 use crate::matching::stretch::MOST;
 use crate::options::Method;
+use std::sync::Arc;
 
 /// Scales beyond these are taken for a mistake: a copy a thousandth as large has no detail left.
 const SCALES: [f64; 2] = [1e-3, 1e3];
 
-/// Guidance by hand; by default there is none. Only [`Method::Coherent`] can be guided.
+/// Guidance by hand; by default there is none. Only [`Method::Coherent`] can be guided, but for the points,
+/// which [`Method::Smooth`] takes, too.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Guidance {
     /// The one place to copy from; `None`: places are searched for.
@@ -22,6 +24,13 @@ pub struct Guidance {
     /// Least and greatest factor by which sources may be scaled, 0.001 to 1000; `None`: they are not.
     /// The time of a search grows with the logarithm of their ratio: 10 % a step.
     pub scales: Option<[f64; 2]>,
+    /// Points that fills pass through, in mesh units: scan points that float inside a hole. Each belongs to
+    /// the nearest hole that is filled; one farther from its middle than its diameter is refused. They move
+    /// the fill, smooth or coherent, by a thin plate that ends at the rim.
+    pub points: Arc<[[f64; 3]]>,
+    /// How far the fill may stay off the points, 0 (it passes through them) to 1: 0.1 halves the height
+    /// of a bump over the whole hole.
+    pub softness: f64,
 }
 
 /// Where a copy lies, given by hand: then it is the only one, in every hole that is filled. With an
@@ -45,7 +54,7 @@ impl Guidance {
     /// Checks every range.
     pub(crate) fn check(&self, method: Method) -> Result<()> {
         let bad = |name, reason: String| Err(Error::InvalidOption { name, reason });
-        let Self { placement, candidate, scales } = self;
+        let Self { placement, candidate, scales, points, softness } = self;
         let given = [
             ("placement", placement.is_some()),
             ("candidate", *candidate > 0),
@@ -53,6 +62,15 @@ impl Guidance {
         ];
         if let Some((name, _)) = given.iter().find(|g| g.1).filter(|_| method != Method::Coherent) {
             return bad(name, format!("the method {} cannot be guided", method.name()));
+        }
+        if !points.is_empty() && method == Method::Harary {
+            return bad("points", "the method harary takes none".into());
+        }
+        if let Some(i) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            return bad("points", format!("point {i} has a coordinate that is not finite"));
+        }
+        if !(0.0..=1.0).contains(softness) {
+            return bad("softness", format!("{softness} is outside 0 to 1"));
         }
         if let (Some(_), Some((name, _))) = (placement, given[1..].iter().find(|g| g.1)) {
             return bad(name, "a placement is the only copy and has its own scale".into());

@@ -222,8 +222,11 @@ impl Exemplar {
         }
         let part = |v: u32| self.part_of(v);
         let whole = |f: &[u32; 3]| part(f[0]) == part(f[1]) && part(f[0]) == part(f[2]);
-        match self.faces.iter().position(|f| !whole(f)) {
-            Some(f) => Err(format!("the exemplar's face {f} joins two parts")),
+        if let Some(f) = self.faces.iter().position(|f| !whole(f)) {
+            return Err(format!("the exemplar's face {f} joins two parts"));
+        }
+        match self.faces.windows(2).position(|f| part(f[0][0]) > part(f[1][0])) {
+            Some(f) => Err(format!("the exemplar's face {} is not in its part's place", f + 1)),
             None => Ok(()),
         }
     }
@@ -340,7 +343,9 @@ impl Options {
         if self.guidance.placement.is_some() {
             options.sources.exemplar_only |= self.sources.exemplar.is_some();
             // All parts are placed together, as they lie.
-            if let Some(exemplar) = options.sources.exemplar.as_mut().filter(|e| !e.parts.is_empty()) {
+            if let Some(exemplar) =
+                options.sources.exemplar.as_mut().filter(|e| !e.parts.is_empty())
+            {
                 *exemplar = Arc::new(Exemplar { parts: Vec::new(), ..(**exemplar).clone() });
             }
         }

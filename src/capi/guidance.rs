@@ -28,7 +28,12 @@ impl COptions {
             [0.0, 0.0] => None,
             range => Some(range),
         };
-        Ok(Guidance { placement, candidate: self.candidate as usize, scales })
+        let count = self.constraint_count.saturating_mul(3);
+        // SAFETY: as above.
+        let numbers = unsafe { array("constraint_points", self.constraint_points, count) }?;
+        let points = numbers.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+        let (candidate, softness) = (self.candidate as usize, self.softness);
+        Ok(Guidance { placement, candidate, scales, points, softness })
     }
 }
 

@@ -239,6 +239,22 @@ pub struct COptions {
     pub least_scale: f64,
     /// Greatest factor. Default: 0.
     pub greatest_scale: f64,
+    /// How many vertices each of several exemplars has that stand one after the other in the
+    /// exemplar's arrays, faces in the same order: each may lie anywhere, on top of another, too. Yours;
+    /// NULL: they are one. Default: NULL.
+    pub exemplar_parts: *const u32,
+    /// How many exemplars there are; 0: one. Default: 0.
+    pub exemplar_part_count: usize,
+    /// Points that fills pass through, smooth ones, too: scan points that float inside a hole. Three
+    /// numbers each, packed, always double. Each belongs to the nearest hole that is filled; one that is
+    /// farther from its middle than its diameter is refused. Yours; NULL if constraint_count is 0.
+    /// Default: NULL.
+    pub constraint_points: *const f64,
+    /// How many points. Default: 0.
+    pub constraint_count: usize,
+    /// How far the fill may stay off the points, 0 (it passes through them) to 1; 0.1 halves the height of
+    /// a bump over the whole hole. Default: 0.
+    pub softness: f64,
 }
 
 /// More threads than any machine has cores for one call; a garbage number would start them all.
@@ -296,6 +312,11 @@ impl COptions {
             candidate: 0,
             least_scale: 0.0,
             greatest_scale: 0.0,
+            exemplar_parts: std::ptr::null(),
+            exemplar_part_count: 0,
+            constraint_points: std::ptr::null(),
+            constraint_count: 0,
+            softness: 0.0,
         }
     }
 
@@ -424,7 +445,11 @@ impl COptions {
                     unsafe { points("exemplar_vertices", vertices, count, self.single()?) }?;
                 // SAFETY: as above.
                 let faces = unsafe { corners("exemplar_faces", self.exemplar_faces, triangles) }?;
-                Some(Arc::new(Exemplar { vertices, faces }))
+                let (sizes, count) = (self.exemplar_parts, self.exemplar_part_count);
+                // SAFETY: as above.
+                let sizes = unsafe { array("exemplar_parts", sizes, count) }?;
+                let parts = sizes.iter().map(|&n| n as usize).collect();
+                Some(Arc::new(Exemplar { vertices, faces, parts }))
             }
         };
         Ok(Sources {

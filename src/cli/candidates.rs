@@ -94,7 +94,8 @@ fn check_paths(args: &FillArgs, count: usize) -> Result<(), Failure> {
     let mut others = vec![("IN", &args.input)];
     others.extend(args.report.as_ref().map(|p| ("--report", p)));
     others.extend(args.initial.as_ref().map(|p| ("--initial", p)));
-    others.extend(args.sources.exemplar.as_ref().map(|p| ("--exemplar", p)));
+    others.extend(args.sources.exemplar.iter().map(|p| ("--exemplar", p)));
+    others.extend(args.guidance.points.as_ref().map(|p| ("--points", p)));
     let made = |path: &Path| (1..=count).map(|i| numbered(path, i)).collect::<Vec<_>>();
     let mut written = made(&args.output);
     written.extend(args.picture.as_deref().map(made).unwrap_or_default());

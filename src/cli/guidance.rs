@@ -2,9 +2,12 @@
 
 use super::failure::Failure;
 use crate::guidance::{Guidance, Placement};
+use crate::io::Document;
 use crate::matching::rigid::Rigid;
 use clap::Args;
 use glam::{DMat3, DVec3};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Where to copy from, given by hand.
 #[derive(Debug, Default, Args)]
@@ -24,6 +27,12 @@ pub(super) struct GuidanceArgs {
     /// Sources may be scaled by a factor in this range
     #[arg(long, value_name = "MIN,MAX", conflicts_with = "transform", value_parser = parse_scale)]
     pub scale: Option<Scales>,
+    /// Points that the fills pass through: the vertices of a mesh or cloud
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// How far fills may stay off the points, 0 (not at all) to 1
+    #[arg(long, value_name = "S", requires = "points", default_value_t = 0.0)]
+    pub softness: f64,
 }
 
 /// A type of its own, or clap takes it for a repeated argument.
@@ -61,7 +70,15 @@ impl GuidanceArgs {
             placement: self.transform.as_ref().map(placement).transpose()?,
             candidate: self.candidate.unwrap_or_default(),
             scales: self.scale.map(|s| s.0),
+            points: self.points()?,
+            softness: self.softness,
         })
+    }
+
+    fn points(&self) -> Result<Arc<[[f64; 3]]>, Failure> {
+        let Some(path) = &self.points else { return Ok(Arc::default()) };
+        let file = Document::read(path)?;
+        Ok((0..file.vertices().len()).map(|v| file.vertices().get(v)).collect())
     }
 }
 

@@ -45,15 +45,14 @@ pub struct Kept {
 }
 
 /// The scales at which exemplars are as large as the mesh, by their areas: an intact twin's, nearly.
-pub fn guess_scales<'a>(area: f64, exemplars: impl Iterator<Item = &'a Exemplar>) -> Vec<f64> {
-    let of = |e: &Exemplar| -> f64 {
-        let corner = |f: &[u32; 3], k: usize| DVec3::from(e.vertices[f[k] as usize]);
-        let twice = |f: &[u32; 3]| {
-            (corner(f, 1) - corner(f, 0)).cross(corner(f, 2) - corner(f, 0)).length()
-        };
-        0.5 * e.faces.iter().map(twice).sum::<f64>()
-    };
-    exemplars.map(|e| (area / of(e)).sqrt()).filter(|s| s.is_finite()).collect()
+pub fn guess_scales(area: f64, exemplar: Option<&Exemplar>) -> Vec<f64> {
+    let Some(exemplar) = exemplar else { return Vec::new() };
+    let mut areas = vec![0.0; exemplar.parts.len().max(1)];
+    for face in &exemplar.faces {
+        let [a, b, c] = face.map(|v| DVec3::from(exemplar.vertices[v as usize]));
+        areas[exemplar.part_of(face[0])] += 0.5 * (b - a).cross(c - a).length();
+    }
+    areas.iter().map(|own| (area / own).sqrt()).filter(|s| s.is_finite()).collect()
 }
 
 /// The transforms that some windows of a hole are looked at with; the windows share one radius.

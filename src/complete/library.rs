@@ -81,7 +81,7 @@ impl Library {
         let chosen = of_part.then(|| Source::chosen(mesh, rims(), sources, check)).transpose()?;
         let known = Source::new(mesh, rims(), check)?.painted(&paint);
         Ok(Self {
-            guesses: guess_scales(known.area, sources.exemplar.as_deref().into_iter()),
+            guesses: guess_scales(known.area, sources.exemplar.as_deref()),
             known,
             chosen: chosen.map(|s| s.painted(&paint)),
             mirrored: !sources.unmirrored,

@@ -7,6 +7,7 @@ mod guided;
 pub mod harary;
 mod initial;
 mod library;
+mod pulled;
 mod smooth;
 mod workers;
 
@@ -28,6 +29,7 @@ use cpu_time::ProcessTime;
 use glam::DVec3;
 use initial::InitialFaces;
 use library::Library;
+use pulled::{pull_fill, share_points};
 use smooth::{fill_hole, Fill, Surroundings};
 use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -148,6 +150,7 @@ impl<'a> Completer<'a> {
         options.initial.as_ref().map_or(Ok(()), |i| i.check(vertices))?;
         let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
         let todo = self.safe_holes(&wanted, options)?;
+        let points = share_points(&options.guidance, &todo)?;
         // The thread count cannot change the result.
         let asked = Options { threads: 0, ..options.clone() };
         if let Some(mut again) = self.last_if(&asked) {
@@ -176,13 +179,15 @@ impl<'a> Completer<'a> {
         monitor.step(0.1, "filling")?;
         let mut outcomes = workers::run(todo.len(), options.threads, monitor, &|i, check| {
             let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
-            self.fill_one(&around, &obstacles, todo[i], todo.len(), options, check)
+            let hole = (todo[i], &points[i][..]);
+            self.fill_one(&around, &obstacles, hole, todo.len(), options, check)
         })?;
         if options.method == Method::Harary {
             self.make_coherent(&around, &boxes, &mut outcomes, monitor)?;
         }
         monitor.step(0.95, "checking the fills against each other")?;
-        self.part_fills(&around, &boxes, &todo, &mut outcomes, options, monitor)?;
+        let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
+        self.part_fills(&around, &boxes, &holes, &mut outcomes, options, monitor)?;
         let mut completion = self.assemble(&near, &wanted, &todo, outcomes, options)?;
         completion.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
         completion.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
@@ -254,7 +259,7 @@ impl<'a> Completer<'a> {
         &self,
         around: &Surroundings<'_>,
         obstacles: &Obstacles<'_>,
-        hole: &Hole,
+        (hole, points): (&Hole, &[DVec3]),
         holes: usize,
         options: &Options,
         check: &dyn Fn(f64) -> Result<()>,
@@ -278,6 +283,12 @@ impl<'a> Completer<'a> {
             Some(initial) => initial.fill_hole(around, &loops, obstacles, &early)?,
             None => fill_hole(around, &loops, obstacles, &early)?,
         };
+        let drawn = (points, options.guidance.softness);
+        if let Ok(fill) = &mut filled {
+            if let Err(why) = pull_fill(around, obstacles, fill, drawn, &early)? {
+                filled = Err(why);
+            }
+        }
         if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
             let making = self.making(fill);
@@ -294,6 +305,12 @@ impl<'a> Completer<'a> {
             let search = Search { library, from, guidance, candidates, threads };
             self.continue_fill(around, obstacles, fill, &search, &late)?;
             fill.candidates = candidates.get();
+            // What was copied does not know of the points; a smooth fill went through them already.
+            if fill.method == Method::Coherent {
+                if let Err(why) = pull_fill(around, obstacles, fill, drawn, &|_| late(1.0))? {
+                    filled = Err(why);
+                }
+            }
         }
         let seconds = clock.elapsed().as_secs_f64();
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
@@ -360,7 +377,7 @@ impl<'a> Completer<'a> {
         &self,
         around: &Surroundings<'_>,
         boxes: &[Bounds],
-        todo: &[&Hole],
+        todo: &[(&Hole, &[DVec3])],
         outcomes: &mut [Outcome],
         options: &Options,
         monitor: &Monitor,
