@@ -346,6 +346,12 @@ struct Options {
   std::uint32_t candidate = 0;
   // Least and greatest factor by which sources may be scaled; empty: they are not.
   std::optional<std::array<double, 2>> scale_range = {};
+  // How many vertices each of several exemplars has that stand one after the other; empty: one.
+  std::vector<std::uint32_t> exemplar_parts = {};
+  // Points inside holes that fills pass through, smooth ones, too.
+  std::vector<std::array<double, 3>> constraint_points = {};
+  // How far fills may stay off the points, 0 to 1.
+  double softness = 0;
 };
 
 // ---- failures ---------------------------------------------------------------------------------
@@ -709,6 +715,12 @@ class Call {
     c_.placement = options.placement ? options.placement->data() : nullptr;
     c_.refine = options.refine ? 1 : 0;
     c_.candidate = options.candidate;
+    c_.exemplar_parts = options.exemplar_parts.empty() ? nullptr : options.exemplar_parts.data();
+    c_.exemplar_part_count = options.exemplar_parts.size();
+    c_.constraint_points =
+        options.constraint_points.empty() ? nullptr : options.constraint_points[0].data();
+    c_.constraint_count = options.constraint_points.size();
+    c_.softness = options.softness;
     if (!options.scale_range) return;
     c_.least_scale = (*options.scale_range)[0];
     c_.greatest_scale = (*options.scale_range)[1];

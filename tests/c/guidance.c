@@ -143,6 +143,60 @@ static void candidates(void) {
   complete_mesh_completer_free(completer);
 }
 
+/* A bump over the cap that nothing shows: the fill goes through its top. */
+static void points(void) {
+  const double top[3] = {0, 0, 1.3};
+  complete_mesh_options opts = defaults();
+  complete_mesh_result *result;
+  const float *p;
+  double nearest = 9;
+  size_t i;
+  opts.method = COMPLETE_MESH_METHOD_SMOOTH;
+  opts.constraint_points = top;
+  opts.constraint_count = 1;
+  result = complete_bumpy(&opts);
+  p = (const float *)complete_mesh_result_new_vertices(result);
+  for (i = 0; i < complete_mesh_result_new_vertex_count(result); ++i, p += 3) {
+    const double d = sqrt(p[0] * p[0] + p[1] * p[1] + (p[2] - 1.3) * (p[2] - 1.3));
+    nearest = d < nearest ? d : nearest;
+  }
+  /* within an edge: the top lies on a face */
+  CHECK(nearest < (FINE ? 0.15 : 0.5));
+  complete_mesh_result_free(result);
+}
+
+/* A ball without bumps, where the twin is, is the other exemplar: the twin is copied from. */
+static void parts(void) {
+  static float both[2 * WHOLE_VERTICES][3];
+  static uint32_t all[2 * WHOLE_FACES][3];
+  static const uint32_t sizes[2] = {WHOLE_VERTICES, WHOLE_VERTICES};
+  static struct whole_ball plain;
+  complete_mesh_options opts = with_twin(0, 1);
+  complete_mesh_result *result;
+  const uint32_t *faces;
+  size_t i, from_plain = 0;
+  int k;
+  make_whole_ball(&plain);
+  move_away(&plain, 0);
+  memcpy(both[0], plain.vertices, sizeof plain.vertices);
+  memcpy(both[WHOLE_VERTICES], twin.vertices, sizeof twin.vertices);
+  memcpy(all[0], plain.faces, sizeof plain.faces);
+  for (i = 0; i < WHOLE_FACES; ++i)
+    for (k = 0; k < 3; ++k) all[WHOLE_FACES + i][k] = twin.faces[i][k] + WHOLE_VERTICES;
+  opts.exemplar_vertices = both;
+  opts.exemplar_vertex_count = 2 * WHOLE_VERTICES;
+  opts.exemplar_faces = all[0];
+  opts.exemplar_face_count = 2 * WHOLE_FACES;
+  opts.exemplar_parts = sizes;
+  opts.exemplar_part_count = 2;
+  result = complete_bumpy(&opts);
+  faces = complete_mesh_result_new_vertex_source_faces(result);
+  for (i = 0; i < complete_mesh_result_new_vertex_count(result); ++i)
+    from_plain += faces[i] != UINT32_MAX && faces[i] < FACES + WHOLE_FACES;
+  if (FINE) CHECK(from_plain * 10 < complete_mesh_result_new_vertex_count(result));
+  complete_mesh_result_free(result);
+}
+
 static void refused(complete_mesh_options opts, complete_mesh_status expected, const char *name) {
   complete_mesh_result *result = NULL;
   CHECK(complete_mesh(bumpy.vertices, VERTICES, bumpy.faces[0], FACES, &opts, &result) == expected);
@@ -151,6 +205,8 @@ static void refused(complete_mesh_options opts, complete_mesh_status expected, c
 
 static void errors(void) {
   const complete_mesh_status option = COMPLETE_MESH_STATUS_INVALID_OPTION;
+  const double far[3] = {0, 0, 30};
+  const uint32_t sizes[2] = {5, 5};
   double rows[12] = {1, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1, 0};
   complete_mesh_options opts = defaults();
   opts.placement = rows;
@@ -167,6 +223,21 @@ static void errors(void) {
   opts = defaults();
   opts.least_scale = 1;
   refused(opts, option, "scales");
+  opts = defaults();
+  opts.constraint_count = 1;
+  refused(opts, COMPLETE_MESH_STATUS_INVALID_ARGUMENT, "constraint_points is NULL");
+  opts.constraint_points = far;
+  refused(opts, option, "point 0");
+  opts = defaults();
+  opts.softness = 2;
+  refused(opts, option, "softness");
+  opts = with_twin(0, 1);
+  opts.exemplar_part_count = 2;
+  refused(opts, COMPLETE_MESH_STATUS_INVALID_ARGUMENT, "exemplar_parts is NULL");
+  opts.exemplar_parts = sizes;
+  refused(opts, option, "parts");
+  opts = defaults();
+  opts.least_scale = 1;
   opts.greatest_scale = 2;
   opts.method = COMPLETE_MESH_METHOD_SMOOTH;
   refused(opts, option, "scales");
@@ -181,5 +252,7 @@ void test_guidance(void) {
   placement(1, 0.25f);
   scales();
   candidates();
+  points();
+  parts();
   errors();
 }

@@ -211,3 +211,36 @@ fn candidates_are_files_side_by_side() {
     let (_, stderr) = place.expect(1, "fill bare.off --candidates 2 -o bare-out.off");
     assert!(stderr.contains("no candidate"), "{stderr}");
 }
+
+/// Points of the whole vessel that lie inside the hole: a smooth fill goes through them.
+#[test]
+fn fills_pass_through_the_points_of_a_file() {
+    let place = Place::new();
+    place.expect(0, "sample vessel --resolution 90 --break disc -q -o in.ply --truth piece.ply");
+    place.expect(0, "fill in.ply --method smooth -q -o plain.ply");
+    place.expect(0, "fill in.ply --method smooth --points piece.ply -q -o through.ply");
+    assert_kept(&place.path("in.ply"), &place.path("through.ply"));
+    let off = |name: &str| worst_of_new(&place, "in.ply", name, "piece.ply");
+    println!("{:.3} {:.3} edges", off("plain.ply"), off("through.ply"));
+    assert!(off("through.ply") < 0.5 * off("plain.ply"));
+    let text = "OFF\n1 0 0\n0 0 900\n";
+    std::fs::write(place.path("far.off"), text).unwrap();
+    let (_, stderr) = place.expect(4, "fill in.ply --points far.off -o none.ply");
+    assert!(stderr.contains("point 0"), "{stderr}");
+    place.expect(2, "fill in.ply --softness 0.1 -o none.ply");
+}
+
+/// A ball and a twin on each other: the twin serves.
+#[test]
+fn exemplars_are_kept_apart() {
+    let place = Place::new();
+    place.expect(0, "sample vessel --resolution 90 -q -o whole.ply");
+    place.expect(0, "sample sphere --resolution 40 -q -o ball.ply");
+    place.expect(0, "sample vessel --resolution 90 --break disc -q -o in.ply");
+    let line = "fill in.ply --exemplar ball.ply --exemplar whole.ply --exemplar-only -q -o out.ply";
+    place.expect(0, line);
+    assert_kept(&place.path("in.ply"), &place.path("out.ply"));
+    let off = worst_of_new(&place, "in.ply", "out.ply", "whole.ply");
+    println!("{off:.3} edges");
+    assert!(off < 0.05, "{off}");
+}

@@ -286,3 +286,133 @@ fn bad_guidance_is_named() {
     refused(placed(Rigid::IDENTITY, false), Method::Smooth, "placement");
     refused(Guidance { candidate: 1, ..Guidance::default() }, Method::Harary, "candidate");
 }
+
+/// Two exemplars that lie on each other, a ball and a twin: the twin is found, and what is reported leads
+/// from where it was given to the new vertices.
+#[test]
+fn exemplars_may_lie_on_each_other() {
+    let (broken, whole) = broken_vessel(Break::Disc);
+    let ball = Sample::Sphere.build(40).unwrap();
+    let first = Exemplar {
+        vertices: ball.vertices.iter().map(|p| p.map(f64::from)).collect(),
+        faces: ball.faces,
+        ..Exemplar::default()
+    };
+    let turn = Rigid { translation: DVec3::ZERO, ..similarity(1.0, true) };
+    let second = moved(&whole, &turn);
+    let exemplar = Exemplar::joined(&[first.clone(), second]);
+    assert_eq!(exemplar.parts, [first.vertices.len(), whole.vertices.len()]);
+    let sources = Sources {
+        exemplar: Some(Arc::new(exemplar.clone())),
+        exemplar_only: true,
+        ..Sources::default()
+    };
+    let made = complete_checked(&broken, &Options { sources, ..Options::default() });
+    let edges = off(&made, &whole);
+    println!("{edges:.1e} edges, {}", made.holes[0].summary());
+    assert!(edges < 0.02, "{edges}");
+    let base = broken.faces.len();
+    for (origin, p) in made.origins.iter().zip(&made.vertices) {
+        let face = origin.face as usize - base;
+        assert!(face >= first.faces.len(), "of the ball");
+        let corners = exemplar.faces[face].map(|v| DVec3::from(exemplar.vertices[v as usize]));
+        let there: DVec3 = corners.iter().zip(origin.barycentric).map(|(&c, w)| w * c).sum();
+        let transform = made.holes[0].sources[origin.source as usize].transform;
+        assert!(transform.point(there).distance((*p).into()) < 0.5 * whole.mean_edge());
+    }
+}
+
+#[test]
+fn parts_that_cannot_be_are_named() {
+    let (broken, whole) = broken_vessel(Break::Disc);
+    let twin = moved(&whole, &Rigid::IDENTITY);
+    let both = Exemplar::joined(&[twin.clone(), twin]);
+    let refused = |change: &dyn Fn(&mut Exemplar), word: &str| {
+        let mut bad = both.clone();
+        change(&mut bad);
+        let sources = Sources { exemplar: Some(Arc::new(bad)), ..Sources::default() };
+        let options = Options { sources, ..Options::default() };
+        match complete_mesh(&broken.vertices[..], &broken.faces[..], &options) {
+            Err(Error::InvalidOption { name: "sources", reason }) => {
+                assert!(reason.contains(word), "{reason}")
+            }
+            other => panic!("{word}: {other:?}"),
+        }
+    };
+    let n = both.faces.len();
+    refused(&|e| e.parts[1] += 1, "parts have");
+    refused(&|e| e.faces[0][0] = e.vertices.len() as u32 - 1, "face 0 joins");
+    refused(&|e| e.faces.swap(0, n - 1), "not in its part's place");
+}
+
+/// A bump that nothing around shows, its top missing; some points of it are known.
+fn bump(x: f64, y: f64) -> f64 {
+    let r2 = ((x - 30.0).powi(2) + (y - 30.0).powi(2)) / 256.0;
+    7.0 * (1.0 - r2).max(0.0).powi(3) * (1.0 + 0.02 * (x - 30.0))
+}
+
+fn bump_without_its_top() -> (Mesh, Vec<[f64; 3]>) {
+    let far = |i: usize, j: usize| (i as f64 - 29.5).hypot(j as f64 - 29.5) > 14.0;
+    let mesh = sheet((60, 60), |x, y| [x, y, bump(x, y)], far);
+    let spiral = |k: usize| {
+        let (r, turn) = (2.0 * (k as f64).sqrt(), 2.4 * k as f64);
+        let (x, y) = (30.0 + r * turn.cos(), 30.0 + r * turn.sin());
+        [x, y, bump(x, y)]
+    };
+    (mesh, (0..36).map(spiral).collect())
+}
+
+/// Smooth or coherent, the fill goes through the points and is near the bump between them, where it would be
+/// far below; soft points are kept off by a part of that.
+#[test]
+fn fills_pass_through_points() {
+    let (mesh, points) = bump_without_its_top();
+    let selection = Selection::NearPoint([30.0, 30.0, 0.0]);
+    for method in [Method::Smooth, Method::Coherent] {
+        let fill = |points: &[[f64; 3]], softness| {
+            let guidance = Guidance { points: points.into(), softness, ..Guidance::default() };
+            let selection = selection.clone();
+            complete_checked(&mesh, &Options { method, guidance, selection, ..Options::default() })
+        };
+        let from_truth = |made: &Completion| {
+            let square = |p: &[f64; 3]| (p[2] - bump(p[0], p[1])).powi(2);
+            let sum: f64 = made.vertices.iter().map(square).sum();
+            (sum / made.vertices.len() as f64).sqrt()
+        };
+        let from_points = |made: &Completion| {
+            let (all, faces) = made.to_mesh_f64(&mesh.vertices, &mesh.faces);
+            let all: Vec<DVec3> = all.iter().map(|&p| p.into()).collect();
+            let tree = Bvh::new(&all, &faces);
+            let off =
+                |p: &[f64; 3]| tree.closest_point(DVec3::from(*p), f64::INFINITY).unwrap().distance;
+            points.iter().map(off).fold(0.0, f64::max)
+        };
+        let (none, hard, soft) = (fill(&[], 0.0), fill(&points, 0.0), fill(&points, 0.1));
+        let truth = [&none, &hard, &soft].map(from_truth);
+        let off = [&none, &hard, &soft].map(from_points);
+        println!("{}: from the bump {truth:.4?}, from the points {off:.5?} edges", method.name());
+        assert!(off[0] > 1.0 && off[1] < 1e-3 && truth[1] < 0.1 * truth[0]);
+        assert!(off[2] > 10.0 * off[1] && off[2] < 0.8 * off[0]);
+    }
+}
+
+#[test]
+fn points_far_away_are_named() {
+    let (mesh, mut points) = bump_without_its_top();
+    points[7] = [30.0, 30.0, 60.0];
+    let refused = |points: &[[f64; 3]], softness, option: &str, word: &str| {
+        let guidance = Guidance { points: points.into(), softness, ..Guidance::default() };
+        let selection = Selection::NearPoint([30.0, 30.0, 0.0]);
+        let options = Options { guidance, selection, ..Options::default() };
+        match complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options) {
+            Err(Error::InvalidOption { name, reason }) => {
+                assert!(name == option && reason.contains(word), "{name}: {reason}")
+            }
+            other => panic!("{word}: {other:?}"),
+        }
+    };
+    refused(&points, 0.0, "points", "point 7 (30, 30, 60)");
+    points[7][1] = f64::NAN;
+    refused(&points, 0.0, "points", "point 7 has");
+    refused(&points[..5], 1.5, "softness", "1.5");
+}

@@ -1,4 +1,5 @@
 // Fills guided by hand: a transform, a candidate, a range of scales.
+#include <algorithm>
 #include <cmath>
 
 #include "suite.hpp"
@@ -77,6 +78,35 @@ void check_candidates() {
   CHECK(completer.complete(options).holes()[0].source_count == 0);
 }
 
+// A bump over the cap that nothing shows: the fill goes through its top.
+template <class Scalar>
+void check_points() {
+  const Ball<Scalar> ball = broken<Scalar>();
+  const auto mesh = mc::view(ball.vertices, ball.faces);
+  mc::Options options;
+  options.method = mc::Method::smooth;
+  options.constraint_points = {{0, 0, 1.3}};
+  const auto nearest = [&] {
+    double least = 9;
+    for (const auto& p : mc::complete(mesh, options).new_vertices())
+      least = std::min(least, std::hypot(p[0], std::hypot(p[1], p[2] - 1.3)));
+    return least;
+  };
+  const double hard = nearest();
+  options.softness = 0.5;
+  CHECK(hard < 0.15 && nearest() > 2 * hard);
+  options.constraint_points = {{0, 0, 30}};
+  CHECK(mc::try_complete(mesh, options).status() == mc::Status::invalid_option);
+  options.constraint_points.clear();
+  options.softness = 0;
+  options.method = mc::Method::coherent;
+  options.exemplar = make_twin();
+  options.exemplar_parts = {5, 5};
+  CHECK(mc::try_complete(mesh, options).status() == mc::Status::invalid_option);
+  options.exemplar_parts = {static_cast<std::uint32_t>(options.exemplar.vertices.size())};
+  CHECK(mc::complete(mesh, options).filled_count() == 2);
+}
+
 }  // namespace
 
 void test_guidance() {
@@ -87,4 +117,6 @@ void test_guidance() {
   check_placement<float>();
   check_placement<double>();
   check_candidates();
+  check_points<float>();
+  check_points<double>();
 }

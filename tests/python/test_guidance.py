@@ -60,6 +60,34 @@ def test_candidates(broken):
     assert len(set(places)) == 3
 
 
+@pytest.mark.parametrize("method", ["smooth", "coherent"])
+def test_constraint_points(broken, method):
+    """A bump over a hole that nothing shows: the fill goes through its top."""
+    place = 1.25 * np.array([[np.cos(0.8), np.sin(0.8), 0.4]])
+
+    def nearest(**options):
+        result = complete_mesh(*broken, method=method, **options)
+        return np.linalg.norm(result.new_vertices - place, axis=1).min()
+
+    hard = nearest(constraint_points=place)
+    soft = nearest(constraint_points=place, softness=0.5)
+    assert hard < 0.08 and nearest() > soft > 1.5 * hard
+
+
+def test_exemplar_parts(broken):
+    """Two columns on each other, of which one has another number of flutes."""
+    other, twin = column(windows=(), flutes=7), column(windows=())
+    options = {
+        "exemplar_vertices": np.concatenate([other[0], twin[0]]),
+        "exemplar_faces": np.concatenate([other[1], twin[1] + len(other[0])]),
+        "exemplar_parts": [len(other[0]), len(twin[0])],
+        "exemplar_only": True,
+    }
+    result = complete_mesh(*broken, **options)
+    from_twin = result.new_vertex_source_faces >= len(broken[1]) + len(other[1])
+    assert from_twin.mean() > 0.9
+
+
 def test_guidance_that_cannot_be(broken):
     for matrix in (np.eye(3), np.ones((4, 4)), [1, 2]):
         with pytest.raises(ValueError, match="placement"):
@@ -70,9 +98,13 @@ def test_guidance_that_cannot_be(broken):
         {"scale_range": (0, 0)},
         {"scale_range": (2, 1)},
         {"candidate": 1, "method": "smooth"},
+        {"constraint_points": [[0, 0, 90]]},
+        {"softness": -1},
     ):
         with pytest.raises(CompleteMeshError) as caught:
             complete_mesh(*broken, **options)
         assert caught.value.status == Status.INVALID_OPTION
+    with pytest.raises(ValueError, match="constraint_points"):
+        complete_mesh(*broken, constraint_points=[1, 2, 3])
     with pytest.raises(TypeError):
         complete_mesh(*broken, candidate=1.5)

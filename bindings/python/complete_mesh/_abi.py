@@ -78,6 +78,11 @@ class Options(c.Structure):
         ("candidate", c_uint32),
         ("least_scale", c_double),
         ("greatest_scale", c_double),
+        ("exemplar_parts", c_void_p),
+        ("exemplar_part_count", c_size_t),
+        ("constraint_points", c_void_p),
+        ("constraint_count", c_size_t),
+        ("softness", c_double),
     ]
 
 

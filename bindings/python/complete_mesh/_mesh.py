@@ -46,6 +46,9 @@ def complete_mesh(
     refine: bool = False,
     candidate: int = 0,
     scale_range: Optional[Sequence[float]] = None,
+    exemplar_parts: Optional[Sequence[int]] = None,
+    constraint_points: Optional[ArrayLike] = None,
+    softness: float = 0.0,
     threads: int = 0,
     output: str = "whole_mesh",
     progress: Optional[Progress] = None,
@@ -99,6 +102,12 @@ def complete_mesh(
             from all together. A hole that has fewer gets a smooth fill; see `Hole.candidate_count`.
         scale_range: (least, greatest) factor by which sources may be scaled, within 0.001 to 1000. The
             wider, the slower.
+        exemplar_parts: how many vertices each of several exemplars has that stand one after the other in
+            exemplar_vertices, faces in the same order; each may lie anywhere. None: they are one.
+        constraint_points: (p, 3): points inside holes that fills pass through, smooth ones, too. One
+            that is farther from its hole's middle than the hole's diameter is refused.
+        softness: how far fills may stay off the points, 0 to 1; 0.1 halves the height of a bump over
+            the whole hole.
         threads: worker threads, 0 for as many as there are cores. The result does not depend on it.
         output: "whole_mesh", or "new_only" for a result without `vertices` and `faces`.
         progress: called as ``progress(fraction, stage)`` with 0 to 1 and a word or two, on the
@@ -141,6 +150,9 @@ def complete_mesh(
         refine=refine,
         candidate=candidate,
         scale_range=scale_range,
+        exemplar_parts=exemplar_parts,
+        constraint_points=constraint_points,
+        softness=softness,
         threads=threads,
         progress=progress,
     )
@@ -248,6 +260,9 @@ class Completer:
         refine: bool = False,
         candidate: int = 0,
         scale_range: Optional[Sequence[float]] = None,
+        exemplar_parts: Optional[Sequence[int]] = None,
+        constraint_points: Optional[ArrayLike] = None,
+        softness: float = 0.0,
         threads: int = 0,
         output: str = "whole_mesh",
         progress: Optional[Progress] = None,
@@ -281,6 +296,9 @@ class Completer:
             refine=refine,
             candidate=candidate,
             scale_range=scale_range,
+            exemplar_parts=exemplar_parts,
+            constraint_points=constraint_points,
+            softness=softness,
             threads=threads,
             progress=progress,
         )

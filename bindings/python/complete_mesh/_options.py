@@ -59,6 +59,9 @@ class Call:
         refine: bool = False,
         candidate: int = 0,
         scale_range: Optional[Sequence[float]] = None,
+        exemplar_parts: Optional[Sequence[int]] = None,
+        constraint_points: Optional[ArrayLike] = None,
+        softness: float = 0.0,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -87,6 +90,10 @@ class Call:
         self._set_surface("initial", initial_vertices, initial_faces, mesh)
         self._set_values(vertex_values, exemplar_values, steering_channels, len(mesh.vertices))
         self._set_guidance(placement, refine, candidate, scale_range)
+        if exemplar_parts is not None:
+            options.exemplar_parts = self._indices("exemplar_parts", exemplar_parts)
+            options.exemplar_part_count = len(exemplar_parts)
+        self._set_points(constraint_points, softness)
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
@@ -226,6 +233,16 @@ class Call:
             # 0 and 0 are the default of the library, and would be ignored.
             least, greatest = (float(x) or np.nan for x in scale_range)
             self.options.least_scale, self.options.greatest_scale = least, greatest
+
+    def _set_points(self, points: Optional[ArrayLike], softness: float) -> None:
+        if points is not None:
+            kept = np.array(points, np.float64, order="C")
+            if kept.ndim != 2 or kept.shape[1] != 3:
+                raise ValueError(f"constraint_points have the shape {kept.shape}, but must be (p, 3)")
+            self._kept.append(kept)
+            self.options.constraint_points = kept.ctypes.data
+            self.options.constraint_count = len(kept)
+        self.options.softness = softness
 
     def _set_progress(self, progress: Optional[Progress]) -> None:
         def report(_user: Any, fraction: float, stage: bytes) -> int:

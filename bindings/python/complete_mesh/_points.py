@@ -108,6 +108,9 @@ def complete_points(
     refine: bool = False,
     candidate: int = 0,
     scale_range: Optional[Sequence[float]] = None,
+    exemplar_parts: Optional[Sequence[int]] = None,
+    constraint_points: Optional[ArrayLike] = None,
+    softness: float = 0.0,
     threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> PointResult:
@@ -157,6 +160,9 @@ def complete_points(
         refine=refine,
         candidate=candidate,
         scale_range=scale_range,
+        exemplar_parts=exemplar_parts,
+        constraint_points=constraint_points,
+        softness=softness,
         threads=threads,
         progress=progress,
     )

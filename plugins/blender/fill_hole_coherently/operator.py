@@ -88,6 +88,13 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         description="Copy mirrored places, too. Off: for lettering, and whatever has a handedness",
         default=True,
     )
+    candidate: IntProperty(
+        name="Candidate",
+        description="Copy from one place alone: 1 is the best, 2 the second. 0 for all of them together",
+        default=0,
+        min=0,
+        soft_max=9,
+    )
     write_attributes: BoolProperty(
         name="Write Attributes",
         description="Keep in the mesh which faces are new (completed), and for each new vertex the "
@@ -118,6 +125,7 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         elif self.source == "OBJECT":
             layout.prop_search(self, "source_object", bpy.data, "objects")
         layout.prop(self, "mirror")
+        layout.prop(self, "candidate")
         column = layout.column(heading="Holes")
         column.prop(self, "max_edges")
         column.prop(self, "keep_largest_open")
@@ -134,6 +142,7 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
             join_loops=self.join_loops,
             skip_unsafe=self.skip_unsafe,
             mirror=self.mirror,
+            candidate=self.candidate,
         )
 
     def _arguments(self, ob, arrays):
