@@ -343,6 +343,22 @@ typedef struct complete_mesh_options {
   double least_scale;
   // Greatest factor. Default: 0.
   double greatest_scale;
+  // How many vertices each of several exemplars has that stand one after the other in the
+  // exemplar's arrays, faces in the same order: each may lie anywhere, on top of another, too. Yours;
+  // NULL: they are one. Default: NULL.
+  const uint32_t *exemplar_parts;
+  // How many exemplars there are; 0: one. Default: 0.
+  size_t exemplar_part_count;
+  // Points that fills pass through, smooth ones, too: scan points that float inside a hole. Three
+  // numbers each, packed, always double. Each belongs to the nearest hole that is filled; one that is
+  // farther from its middle than its diameter is refused. Yours; NULL if constraint_count is 0.
+  // Default: NULL.
+  const double *constraint_points;
+  // How many points. Default: 0.
+  size_t constraint_count;
+  // How far the fill may stay off the points, 0 (it passes through them) to 1; 0.1 halves the height of
+  // a bump over the whole hole. Default: 0.
+  double softness;
 } complete_mesh_options;
 
 // One hole. Lengths and positions are in mesh units.
