@@ -51,9 +51,14 @@ static complete_mesh_result *complete_bumpy(const complete_mesh_options *opts) {
   return result;
 }
 
+/* Of the hole with the most new vertices: the other has too few to be anything but smooth. */
 static double error_of(const complete_mesh_result *result) {
-  return off_whole(&whole, (const float *)complete_mesh_result_new_vertices(result),
-                   complete_mesh_result_new_vertex_count(result));
+  const complete_mesh_holes *holes = complete_mesh_result_holes(result);
+  complete_mesh_hole hole = get_hole(holes, 0);
+  if (get_hole(holes, 1).new_vertex_count > hole.new_vertex_count) hole = get_hole(holes, 1);
+  return off_whole(&whole,
+                   (const float *)complete_mesh_result_new_vertices(result) + 3 * hole.first_new_vertex,
+                   hole.new_vertex_count);
 }
 
 /* The source of the hole that has the most new vertices. */

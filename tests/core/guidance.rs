@@ -396,6 +396,31 @@ fn fills_pass_through_points() {
     }
 }
 
+/// What was copied is moved, too, and keeps its origins.
+#[test]
+fn copies_pass_through_points() {
+    let (broken, whole) = broken_vessel(Break::Disc);
+    let plain = complete_checked(&broken, &Options::default());
+    let edge = whole.mean_edge();
+    let middle = plain.vertices.iter().map(|&p| DVec3::from(p)).sum::<DVec3>();
+    let out = (middle / plain.vertices.len() as f64).with_z(0.0).normalize();
+    let some = plain.vertices.iter().step_by(plain.vertices.len() / 7);
+    let points: Arc<[[f64; 3]]> =
+        some.map(|&p| (DVec3::from(p) + 0.5 * edge * out).to_array()).collect();
+    let guidance = Guidance { points: points.clone(), ..Guidance::default() };
+    let made = complete_checked(&broken, &Options { guidance, ..Options::default() });
+    let (all, faces) = made.to_mesh_f64(&broken.vertices, &broken.faces);
+    let all: Vec<DVec3> = all.iter().map(|&p| p.into()).collect();
+    let tree = Bvh::new(&all, &faces);
+    let off = |p: &[f64; 3]| tree.closest_point(DVec3::from(*p), f64::INFINITY).unwrap().distance;
+    let worst = points.iter().map(off).fold(0.0, f64::max) / edge;
+    println!("{worst:.1e} edges, {}", made.holes[0].summary());
+    assert!(worst < 1e-2, "{worst}");
+    assert_eq!(made.holes[0].method, Method::Coherent);
+    let copied = made.origins.iter().filter(|o| o.confidence > 0.0).count();
+    assert!(copied * 10 > 9 * made.origins.len());
+}
+
 #[test]
 fn points_far_away_are_named() {
     let (mesh, mut points) = bump_without_its_top();
