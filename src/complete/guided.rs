@@ -40,9 +40,14 @@ pub type Transforms = Arc<Vec<Vec<Rigid>>>;
 /// What was found so far, so that the next candidate takes no search.
 #[derive(Default)]
 pub struct Kept {
-    scaled: Mutex<Vec<(Vec<Sought>, [f64; 2], Transforms)>>,
-    ranked: Mutex<Vec<(Sought, Option<[f64; 2]>, Arc<Vec<Rigid>>)>>,
+    scaled: Mutex<Vec<ScaledSearch>>,
+    ranked: Mutex<Vec<Ranking>>,
 }
+
+/// What was looked for, in which range of scales, and what was found.
+type ScaledSearch = (Vec<Sought>, [f64; 2], Transforms);
+/// The same of the candidates of one window.
+type Ranking = (Sought, Option<[f64; 2]>, Arc<Vec<Rigid>>);
 
 /// The scales at which exemplars are as large as the mesh, by their areas: an intact twin's, nearly.
 pub fn guess_scales(area: f64, exemplar: Option<&Exemplar>) -> Vec<f64> {
@@ -229,7 +234,7 @@ impl Kept {
         make: &dyn Fn() -> Result<Transforms>,
     ) -> Result<Transforms> {
         let lock = || self.scaled.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |k: &&(Vec<Sought>, [f64; 2], Transforms)| {
+        let same = |k: &&ScaledSearch| {
             k.1 == range
                 && k.0.len() == targets.len()
                 && k.0.iter().zip(targets).all(|(s, t)| s.is(t))
