@@ -324,6 +324,41 @@ typedef struct complete_mesh_options {
   // How many of them, from the first on, help to find what is copied: 3 for red, green and blue;
   // at most value_channels. They share one unit, whichever. Default: 0.
   uint32_t steering_channels;
+  // The one place to copy from, given by hand: a transform from the source to the hole, three rows
+  // and four columns, row by row, as in complete_mesh_source. It may turn, mirror, scale (0.001 to
+  // 1000) and shift; strains of up to 15 % are taken, too. With an exemplar it is the exemplar that
+  // is placed, else the mesh itself; it holds for every hole that is filled. Twelve numbers, yours;
+  // NULL: places are searched for. Default: NULL.
+  const double *placement;
+  // 1: placement is improved by ICP on what is known around the hole, from as far as half a hole's
+  // radius; with its scale, unless that is 1. Default: 0.
+  uint32_t refine;
+  // Which of the places found a fill is made from, counted from 1, the best first, in each hole; 0:
+  // all of them together. A hole that has fewer gets a smooth fill; candidate_count of its
+  // complete_mesh_hole says how many there are. A completer searches once for all. Default: 0.
+  uint32_t candidate;
+  // Least factor by which sources may be scaled, 0.001 to 1000; 0 as greatest_scale is: they are not
+  // scaled. A search takes as much longer as there are steps of 10 % in the range; an exemplar that
+  // is an exact twin is found at once. Default: 0.
+  double least_scale;
+  // Greatest factor. Default: 0.
+  double greatest_scale;
+  // How many vertices each of several exemplars has that stand one after the other in the
+  // exemplar's arrays, faces in the same order: each may lie anywhere, on top of another, too. Yours;
+  // NULL: they are one. Default: NULL.
+  const uint32_t *exemplar_parts;
+  // How many exemplars there are; 0: one. Default: 0.
+  size_t exemplar_part_count;
+  // Points that fills pass through, smooth ones, too: scan points that float inside a hole. Three
+  // numbers each, packed, always double. Each belongs to the nearest hole that is filled; one that is
+  // farther from its middle than its diameter is refused. Yours; NULL if constraint_count is 0.
+  // Default: NULL.
+  const double *constraint_points;
+  // How many points. Default: 0.
+  size_t constraint_count;
+  // How far the fill may stay off the points, 0 (it passes through them) to 1; 0.1 halves the height of
+  // a bump over the whole hole. Default: 0.
+  double softness;
 } complete_mesh_options;
 
 // One hole. Lengths and positions are in mesh units.
@@ -374,6 +409,10 @@ typedef struct complete_mesh_hole {
   double coherence_error_before;
   // Coherence error of the fill; NaN where it was not measured.
   double coherence_error_after;
+  // How many candidates the hole has, if one was asked for by the option candidate; else 0.
+  uint32_t candidate_count;
+  // 0, for a later version.
+  uint32_t reserved;
 } complete_mesh_hole;
 
 // A place on the object that a hole's fill was continued from. Lengths are in mesh units.
@@ -384,7 +423,7 @@ typedef struct complete_mesh_source {
   uint32_t mirrored;
   // From the place to the hole: a matrix of three rows and four columns, row by row. The first
   // three columns are a rotation, or a rotation and a reflection, in some with a stretch of a few
-  // per cent; the last is the translation.
+  // per cent, or scaled if that was allowed; the last is the translation.
   double transform[12];
   // Root mean square error at known vertices near the rim that were hidden from the fit.
   double error;

@@ -19,7 +19,8 @@
 //! [`Error`] and nothing half done. The bytes of the result do not depend on the thread count.
 //!
 //! Modules in the order data flows: [`mesh`] → [`holes`] → [`fill`] → [`intersect`] →
-//! [`descriptor`] → [`matching`] → [`complete`] → [`result`]. `capi` is the C face of the same
+//! [`descriptor`] → [`matching`] → [`complete`] → [`result`]. [`options`] and [`guidance`] are what
+//! may be asked for. `capi` is the C face of the same
 //! calls; `io`, `sample`, `picture` and `cli` serve the command line.
 
 #[cfg(feature = "capi")]
@@ -28,6 +29,7 @@ pub mod complete;
 pub mod descriptor;
 pub mod error;
 pub mod fill;
+pub mod guidance;
 pub mod holes;
 pub mod intersect;
 #[cfg(feature = "io")]
@@ -50,6 +52,7 @@ pub mod sample;
 
 pub use complete::{complete_mesh, complete_mesh_with, Completer};
 pub use error::{Error, Problem, Result};
+pub use guidance::{Guidance, Placement};
 pub use holes::{find_holes, BoundaryLoop, Hole, HoleKind, HoleList};
 pub use mesh::{FaceView, MeshView, VertexView};
 pub use options::{

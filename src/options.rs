@@ -1,6 +1,7 @@
 //! What the caller may choose. Every default is what a user who knows nothing should get.
 
 use crate::error::{Error, Result};
+use crate::guidance::Guidance;
 use std::sync::Arc;
 
 /// How a fill is made.
@@ -189,6 +190,56 @@ pub struct Exemplar {
     pub vertices: Vec<[f64; 3]>,
     /// Three vertex indices each, counter-clockwise seen from outside.
     pub faces: Vec<[u32; 3]>,
+    /// How many vertices each of several meshes has, one after the other in the lists: each may lie
+    /// anywhere, on top of another, too. Empty: they are one.
+    pub parts: Vec<usize>,
+}
+
+impl Exemplar {
+    /// Several exemplars in one, in their order.
+    pub fn joined(all: &[Exemplar]) -> Self {
+        let mut joined = Self::default();
+        for one in all {
+            let first = joined.vertices.len() as u32;
+            joined.vertices.extend_from_slice(&one.vertices);
+            joined.faces.extend(one.faces.iter().map(|f| f.map(|v| v.saturating_add(first))));
+            match one.parts.is_empty() {
+                true => joined.parts.push(one.vertices.len()),
+                false => joined.parts.extend_from_slice(&one.parts),
+            }
+        }
+        joined
+    }
+
+    fn check_parts(&self) -> std::result::Result<(), String> {
+        if self.parts.is_empty() {
+            return Ok(());
+        }
+        let sum = self.parts.iter().fold(0usize, |sum, &n| sum.saturating_add(n));
+        if sum != self.vertices.len() {
+            let n = self.vertices.len();
+            return Err(format!("the exemplar's parts have {sum} vertices, but it has {n}"));
+        }
+        let part = |v: u32| self.part_of(v);
+        let whole = |f: &[u32; 3]| part(f[0]) == part(f[1]) && part(f[0]) == part(f[2]);
+        if let Some(f) = self.faces.iter().position(|f| !whole(f)) {
+            return Err(format!("the exemplar's face {f} joins two parts"));
+        }
+        match self.faces.windows(2).position(|f| part(f[0][0]) > part(f[1][0])) {
+            Some(f) => Err(format!("the exemplar's face {} is not in its part's place", f + 1)),
+            None => Ok(()),
+        }
+    }
+
+    /// The part that a vertex belongs to.
+    pub(crate) fn part_of(&self, vertex: u32) -> usize {
+        let mut last = 0;
+        let beyond = |&n: &usize| {
+            last += n;
+            last > vertex as usize
+        };
+        self.parts.iter().position(beyond).unwrap_or(0)
+    }
 }
 
 impl Sources {
@@ -225,7 +276,7 @@ impl Sources {
         if let Some(f) = exemplar.faces.iter().position(|f| !inside(f)) {
             return bad(format!("the exemplar's face {f} names a vertex that does not exist"));
         }
-        Ok(())
+        exemplar.check_parts().or_else(bad)
     }
 }
 
@@ -274,6 +325,8 @@ pub struct Options {
     pub initial: Option<Arc<Initial>>,
     /// What may be copied from. Only `Method::Coherent` can be told.
     pub sources: Sources,
+    /// Where to copy from, given by hand. Only `Method::Coherent` can be told.
+    pub guidance: Guidance,
     /// What the vertices carry; its first channels help `Method::Coherent` to find the sources.
     pub appearance: Option<Arc<Appearance>>,
     /// Fill the other holes when a selected one is unsafe or fails, and say so in its
@@ -284,6 +337,21 @@ pub struct Options {
 }
 
 impl Options {
+    /// With what the guidance says of the sources: a placement is one of the exemplar alone.
+    pub(crate) fn guided(&self) -> Self {
+        let mut options = self.clone();
+        if self.guidance.placement.is_some() {
+            options.sources.exemplar_only |= self.sources.exemplar.is_some();
+            // All parts are placed together, as they lie.
+            if let Some(exemplar) =
+                options.sources.exemplar.as_mut().filter(|e| !e.parts.is_empty())
+            {
+                *exemplar = Arc::new(Exemplar { parts: Vec::new(), ..(**exemplar).clone() });
+            }
+        }
+        options
+    }
+
     /// Checks every range. Called by every completion.
     pub fn check(&self) -> Result<()> {
         let bad = |name, reason: String| Err(Error::InvalidOption { name, reason });
@@ -299,6 +367,7 @@ impl Options {
         if self.method == Method::Harary && self.sources.are_chosen() {
             return bad("sources", "the method harary copies from the whole mesh".into());
         }
+        self.guidance.check(self.method)?;
         match &self.selection {
             Selection::MaxCircumference(l) | Selection::MaxDiameter(l)
                 if l.is_nan() || *l <= 0.0 =>

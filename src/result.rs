@@ -46,7 +46,7 @@ pub fn confidence_word(confidence: f64) -> &'static str {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SourceReport {
     /// From the place to the hole: a rotation, or a reflection, a translation, and in some a stretch of a
-    /// few per cent.
+    /// few per cent; scaled where that was allowed.
     pub transform: Rigid,
     /// Root mean square error at known vertices near the rim that were hidden from the fit, in mesh
     /// units.
@@ -105,6 +105,8 @@ pub struct HoleReport {
     /// The copies on the known ring around the hole, at some hundreds of its vertices: whether they have
     /// there what is known says how far to believe the rest of what they carry.
     pub ring: Vec<Seam>,
+    /// How many candidates it had, if one was asked for ([`crate::Guidance::candidate`]); else 0.
+    pub candidates: usize,
     /// 0 to 1, see [`Origin::confidence`]; 0 for a smooth fill.
     pub confidence: f64,
     /// Coherence error (Harary et al. 2014, Eq. 3, root mean square, in mesh units) of the initial

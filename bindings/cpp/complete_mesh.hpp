@@ -20,6 +20,8 @@
 
 #include <cstddef>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "complete_mesh/call.hpp"
 #include "complete_mesh/enums.hpp"
@@ -80,6 +82,9 @@ class Completer {
   explicit Completer(const MeshView<Scalar>& mesh, const Options& options = {})
       : Completer(make(mesh, options).take()) {}
   Result<Scalar> complete(const Options& options = {}) const { return try_complete(options).take(); }
+  std::vector<Result<Scalar>> candidates(std::size_t count, const Options& options = {}) const {
+    return try_candidates(count, options).take();
+  }
 #endif
   static Outcome<Completer> make(const MeshView<Scalar>& mesh, const Options& options = {}) {
     detail::Call call(options, mesh);
@@ -104,6 +109,21 @@ class Completer {
         complete_mesh_completer_complete(get(), call.options(), &result);
     if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
     return Result<Scalar>(result, options.value_channels);
+  }
+  // The completions that the best places alone make, best first, `count` at most; the places are
+  // searched for once. options.candidate is not used.
+  Outcome<std::vector<Result<Scalar>>> try_candidates(std::size_t count, Options options = {}) const {
+    std::vector<Result<Scalar>> made;
+    while (made.size() < count) {
+      options.candidate = static_cast<std::uint32_t>(made.size() + 1);
+      auto result = try_complete(options);
+      if (!result) return result.failure();
+      bool more = false;
+      for (const Hole& hole : result->holes()) more = more || hole.candidate_count >= options.candidate;
+      if (!more) break;
+      made.push_back(std::move(*result));
+    }
+    return made;
   }
   Holes holes() const {
     return Holes(std::shared_ptr<const complete_mesh_holes>(completer_,

@@ -88,6 +88,10 @@ pub struct CHole {
     pub coherence_error_before: f64,
     /// Coherence error of the fill; NaN where it was not measured.
     pub coherence_error_after: f64,
+    /// How many candidates the hole has, if one was asked for by the option candidate; else 0.
+    pub candidate_count: u32,
+    /// 0, for a later version.
+    pub reserved: u32,
 }
 
 /// A place on the object that a hole's fill was continued from. Lengths are in mesh units.
@@ -100,7 +104,7 @@ pub struct CSource {
     pub mirrored: u32,
     /// From the place to the hole: a matrix of three rows and four columns, row by row. The first
     /// three columns are a rotation, or a rotation and a reflection, in some with a stretch of a few
-    /// per cent; the last is the translation.
+    /// per cent, or scaled if that was allowed; the last is the translation.
     pub transform: [f64; 12],
     /// Root mean square error at known vertices near the rim that were hidden from the fit.
     pub error: f64,
@@ -191,6 +195,8 @@ fn info(hole: &Hole, is_unsafe: bool, report: Option<&HoleReport>) -> CHole {
         confidence: report.map_or(0.0, |r| r.confidence),
         coherence_error_before: coherence_error[0],
         coherence_error_after: coherence_error[1],
+        candidate_count: report.map_or(0, |r| r.candidates as u32),
+        reserved: 0,
     }
 }
 

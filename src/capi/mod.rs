@@ -10,6 +10,7 @@ mod arrays;
 mod completer;
 mod error;
 mod guard;
+mod guidance;
 mod holes;
 mod input;
 mod options;

@@ -220,6 +220,41 @@ pub struct COptions {
     /// How many of them, from the first on, help to find what is copied: 3 for red, green and blue;
     /// at most value_channels. They share one unit, whichever. Default: 0.
     pub steering_channels: u32,
+    /// The one place to copy from, given by hand: a transform from the source to the hole, three rows
+    /// and four columns, row by row, as in complete_mesh_source. It may turn, mirror, scale (0.001 to
+    /// 1000) and shift; strains of up to 15 % are taken, too. With an exemplar it is the exemplar that
+    /// is placed, else the mesh itself; it holds for every hole that is filled. Twelve numbers, yours;
+    /// NULL: places are searched for. Default: NULL.
+    pub placement: *const f64,
+    /// 1: placement is improved by ICP on what is known around the hole, from as far as half a hole's
+    /// radius; with its scale, unless that is 1. Default: 0.
+    pub refine: u32,
+    /// Which of the places found a fill is made from, counted from 1, the best first, in each hole; 0:
+    /// all of them together. A hole that has fewer gets a smooth fill; candidate_count of its
+    /// complete_mesh_hole says how many there are. A completer searches once for all. Default: 0.
+    pub candidate: u32,
+    /// Least factor by which sources may be scaled, 0.001 to 1000; 0 as greatest_scale is: they are not
+    /// scaled. A search takes as much longer as there are steps of 10 % in the range; an exemplar that
+    /// is an exact twin is found at once. Default: 0.
+    pub least_scale: f64,
+    /// Greatest factor. Default: 0.
+    pub greatest_scale: f64,
+    /// How many vertices each of several exemplars has that stand one after the other in the
+    /// exemplar's arrays, faces in the same order: each may lie anywhere, on top of another, too. Yours;
+    /// NULL: they are one. Default: NULL.
+    pub exemplar_parts: *const u32,
+    /// How many exemplars there are; 0: one. Default: 0.
+    pub exemplar_part_count: usize,
+    /// Points that fills pass through, smooth ones, too: scan points that float inside a hole. Three
+    /// numbers each, packed, always double. Each belongs to the nearest hole that is filled; one that is
+    /// farther from its middle than its diameter is refused. Yours; NULL if constraint_count is 0.
+    /// Default: NULL.
+    pub constraint_points: *const f64,
+    /// How many points. Default: 0.
+    pub constraint_count: usize,
+    /// How far the fill may stay off the points, 0 (it passes through them) to 1; 0.1 halves the height of
+    /// a bump over the whole hole. Default: 0.
+    pub softness: f64,
 }
 
 /// More threads than any machine has cores for one call; a garbage number would start them all.
@@ -272,6 +307,16 @@ impl COptions {
             exemplar_values: std::ptr::null(),
             value_channels: 0,
             steering_channels: 0,
+            placement: std::ptr::null(),
+            refine: 0,
+            candidate: 0,
+            least_scale: 0.0,
+            greatest_scale: 0.0,
+            exemplar_parts: std::ptr::null(),
+            exemplar_part_count: 0,
+            constraint_points: std::ptr::null(),
+            constraint_count: 0,
+            softness: 0.0,
         }
     }
 
@@ -376,6 +421,8 @@ impl COptions {
             initial: unsafe { self.initial() }?,
             // SAFETY: as above.
             sources: unsafe { self.sources(face_count) }?,
+            // SAFETY: as above.
+            guidance: unsafe { self.guidance() }?,
             threads: self.threads as usize,
         })
     }
@@ -398,7 +445,11 @@ impl COptions {
                     unsafe { points("exemplar_vertices", vertices, count, self.single()?) }?;
                 // SAFETY: as above.
                 let faces = unsafe { corners("exemplar_faces", self.exemplar_faces, triangles) }?;
-                Some(Arc::new(Exemplar { vertices, faces }))
+                let (sizes, count) = (self.exemplar_parts, self.exemplar_part_count);
+                // SAFETY: as above.
+                let sizes = unsafe { array("exemplar_parts", sizes, count) }?;
+                let parts = sizes.iter().map(|&n| n as usize).collect();
+                Some(Arc::new(Exemplar { vertices, faces, parts }))
             }
         };
         Ok(Sources {
@@ -489,7 +540,7 @@ fn unknown(field: &str, value: u32, name: &str) -> Failure {
     Failure::argument(format!("option {field} is {value}, which is no {name}"))
 }
 
-fn flag(field: &str, value: u32) -> Result<bool, Failure> {
+pub(super) fn flag(field: &str, value: u32) -> Result<bool, Failure> {
     match value {
         0 => Ok(false),
         1 => Ok(true),

@@ -1,6 +1,7 @@
 //! The arguments, and what they mean to the library.
 
 use super::failure::Failure;
+use super::guidance::GuidanceArgs;
 use super::sources::SourceArgs;
 use crate::error::Error;
 use crate::options::{Fairing, Grouping, Method, Options, Selection, Sizing, Sources};
@@ -75,6 +76,8 @@ pub(super) struct FillArgs {
     pub initial: Option<PathBuf>,
     #[command(flatten)]
     pub sources: SourceArgs,
+    #[command(flatten)]
+    pub guidance: GuidanceArgs,
     /// Leave holes open that cannot be filled safely, instead of writing nothing
     #[arg(long)]
     pub skip_unsafe: bool,
@@ -210,6 +213,7 @@ impl FillArgs {
         };
         let options = Options {
             appearance: None,
+            guidance: self.guidance.guidance()?,
             method,
             selection: self.selection.selection(),
             grouping: self.grouping.grouping(),

@@ -12,6 +12,9 @@ pub(super) enum Failure {
     /// The arguments contradict each other.
     #[error("{0}")]
     Usage(String),
+    /// Nothing serves where only sources were asked for.
+    #[error("no candidate: nothing that may be copied from looks like what is around the holes")]
+    NoCandidate,
     /// A mesh file was not read or written.
     #[error(transparent)]
     File(#[from] IoError),
@@ -30,6 +33,7 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             Failure::Usage(_) => USAGE,
+            Failure::NoCandidate => 1,
             Failure::File(_) => 3,
             Failure::Library(error) => match error {
                 Error::UnsafeHole { .. } | Error::HoleFailed { .. } => 1,

@@ -2,6 +2,7 @@
 //! or nothing.
 
 use super::args::FillArgs;
+use super::candidates;
 use super::console::Console;
 use super::failure::Failure;
 use super::output::{same_file, Outputs};
@@ -34,14 +35,22 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     let input = describe(&args.input, &document);
     // Before the fill: another format may number the vertices anew.
     document = convert(document, format, console)?;
-    let exemplar = args.sources.exemplar()?;
-    options.sources = args.sources.sources(&document, exemplar.as_ref());
+    let mut exemplars = args.sources.exemplars()?;
+    options.sources = args.sources.sources(&document, &exemplars);
+    let exemplar = match exemplars.len() {
+        0 | 1 => exemplars.pop(),
+        _ => Some(joined(&exemplars)?),
+    };
     options.appearance = appearance(&document, exemplar.as_ref());
     if document.is_cloud() {
         return points::fill(args, &options, input, document, exemplar.as_ref(), console);
     }
     if let Some(path) = &args.initial {
         options.initial = Some(Arc::new(initial(path, &document)?));
+    }
+    if let Some(count) = args.guidance.candidates {
+        let exemplar = exemplar.as_ref();
+        return candidates::run(args, count, &options, &input, &document, exemplar, console);
     }
     let (holes, completion) = complete(&document, &options, console)?;
     let extras = Extras { provenance: args.provenance };
@@ -79,6 +88,21 @@ pub(super) fn write(
     outputs.commit()?;
     console.clear();
     Ok(())
+}
+
+/// Several exemplars as one file, which is asked for its faces and colours only: those, if all have them.
+fn joined(all: &[Document]) -> Result<Document, Failure> {
+    let (mut vertices, mut faces, mut colours) = (Vec::new(), Vec::new(), Vec::new());
+    for one in all {
+        let first = vertices.len() as u32;
+        vertices.extend((0..one.vertices().len()).map(|v| one.vertices().get(v).map(|x| x as f32)));
+        faces.extend((0..one.faces().len()).map(|f| one.faces().get(f).map(|v| v + first)));
+        colours.extend(one.vertex_colours().into_iter().flatten());
+    }
+    Ok(match colours.len() == vertices.len() {
+        true => Document::from_painted_mesh_f32(&vertices, &faces, &colours)?,
+        false => Document::from_mesh_f32(vertices, faces)?,
+    })
 }
 
 /// The colours of the file, which help to find where to copy from.
@@ -120,10 +144,12 @@ fn check_paths(args: &FillArgs) -> Result<(), Failure> {
     named.extend(args.report.as_ref().map(|p| ("--report", p)));
     named.extend(args.picture.as_ref().map(|p| ("--picture", p)));
     named.extend(args.initial.as_ref().map(|p| ("--initial", p)));
-    named.extend(args.sources.exemplar.as_ref().map(|p| ("--exemplar", p)));
+    named.extend(args.sources.exemplar.iter().map(|p| ("--exemplar", p)));
+    named.extend(args.guidance.points.as_ref().map(|p| ("--points", p)));
     for (i, (a, path)) in named.iter().enumerate() {
         for (b, other) in &named[i + 1..] {
-            if (*a, *b) != ("IN", "OUT") && same_file(path, other) {
+            let both_read = a == b || (*a, *b) == ("IN", "OUT");
+            if !both_read && same_file(path, other) {
                 return Err(Failure::Usage(format!(
                     "{a} and {b} name one file: {}",
                     path.display()

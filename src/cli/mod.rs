@@ -1,10 +1,12 @@
 //! The command line `complete-mesh`: `fill`, `holes`, `demo`, `sample`. `docs/cli.md` describes it.
 
 mod args;
+mod candidates;
 mod console;
 mod demo;
 mod failure;
 mod fill;
+mod guidance;
 mod holes;
 mod interrupt;
 mod output;

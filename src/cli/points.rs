@@ -111,9 +111,11 @@ pub(super) fn fill(
     exemplar: Option<&Document>,
     console: &Console,
 ) -> Result<(), Failure> {
-    for (given, name) in
-        [(args.picture.is_some(), "--picture"), (args.initial.is_some(), "--initial")]
-    {
+    for (given, name) in [
+        (args.picture.is_some(), "--picture"),
+        (args.initial.is_some(), "--initial"),
+        (args.guidance.candidates.is_some(), "--candidates"),
+    ] {
         if given {
             return Err(Failure::Usage(format!("{name} takes a mesh; the input has no faces")));
         }

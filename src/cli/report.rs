@@ -17,6 +17,8 @@ pub(super) struct Report {
     pub method: &'static str,
     pub fairing: &'static str,
     pub threads: usize,
+    /// Which candidate the fills are made from; 0: all together.
+    pub candidate: usize,
     pub input: File,
     pub output: File,
     pub new_vertices: usize,
@@ -30,7 +32,7 @@ pub(super) struct Report {
 }
 
 /// A mesh file.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub(super) struct File {
     pub path: String,
     pub format: String,
@@ -49,6 +51,8 @@ pub(super) struct HoleEntry {
     /// The one that made the fill.
     pub method: Option<&'static str>,
     pub fairing: Option<&'static str>,
+    /// How many there are, if one was asked for.
+    pub candidates: usize,
     pub confidence: f64,
     /// Before and after.
     pub coherence_error: Option<[f64; 2]>,
@@ -170,6 +174,7 @@ impl Report {
                     reason,
                     method: (status == "filled").then(|| report.method.name()),
                     fairing: (status == "filled").then(|| report.fairing.name()),
+                    candidates: report.candidates,
                     confidence: report.confidence,
                     coherence_error: report.coherence_error,
                     sources: report.sources.iter().map(SourceEntry::of).collect(),
@@ -184,6 +189,7 @@ impl Report {
             method: options.method.name(),
             fairing: options.fairing.name(),
             threads: options.threads,
+            candidate: options.guidance.candidate,
             input,
             output,
             new_vertices: done.vertices.len(),

@@ -16,9 +16,9 @@ pub(super) struct SourceArgs {
     /// Copy from no face around a point; may be repeated
     #[arg(long, value_name = "X,Y,Z,R", value_parser = parse_ball, allow_hyphen_values = true)]
     pub avoid_ball: Vec<Ball>,
-    /// Another mesh to copy from, in any position and of the same scale: an intact twin
+    /// Another mesh to copy from, in any position and of the same scale: an intact twin; may be repeated
     #[arg(long, value_name = "FILE")]
-    pub exemplar: Option<PathBuf>,
+    pub exemplar: Vec<PathBuf>,
     /// Copy from the exemplar alone
     #[arg(long, requires = "exemplar")]
     pub exemplar_only: bool,
@@ -45,23 +45,29 @@ fn parse_ball(text: &str) -> Result<Ball, String> {
 }
 
 impl SourceArgs {
-    /// The exemplar's file.
-    pub fn exemplar(&self) -> Result<Option<Document>, Failure> {
-        Ok(self.exemplar.as_deref().map(Document::read).transpose()?)
+    /// The exemplars' files.
+    pub fn exemplars(&self) -> Result<Vec<Document>, Failure> {
+        Ok(self.exemplar.iter().map(|path| Document::read(path)).collect::<Result<_, _>>()?)
     }
 
-    /// The library's sources, for a mesh and an exemplar that were read.
-    pub fn sources(&self, document: &Document, exemplar: Option<&Document>) -> Sources {
+    /// The library's sources, for a mesh and exemplars that were read.
+    pub fn sources(&self, document: &Document, exemplars: &[Document]) -> Sources {
         let whole = |other: &Document| {
             let (vertices, faces) = (other.vertices(), other.faces());
-            Arc::new(Exemplar {
+            Exemplar {
                 vertices: (0..vertices.len()).map(|v| vertices.get(v)).collect(),
                 faces: (0..faces.len()).map(|f| faces.get(f)).collect(),
-            })
+                parts: Vec::new(),
+            }
+        };
+        let mut exemplars: Vec<Exemplar> = exemplars.iter().map(whole).collect();
+        let exemplar = match exemplars.len() {
+            0 | 1 => exemplars.pop(),
+            _ => Some(Exemplar::joined(&exemplars)),
         };
         Sources {
             faces: self.faces(document),
-            exemplar: exemplar.map(whole),
+            exemplar: exemplar.map(Arc::new),
             exemplar_only: self.exemplar_only,
             unmirrored: self.unmirrored,
         }

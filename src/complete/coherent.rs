@@ -9,13 +9,17 @@
 //! - Low frequencies come from a consensus of the sources, detail from one source at each vertex:
 //!   averages of positions (Eq. 5 and 6) lose the detail.
 
+use super::guided::{rank, transforms, RankedView};
 use super::library::Library;
 use super::smooth::{Fill, Story, Surroundings};
 use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::fill::refine::refine;
+use crate::guidance::Guidance;
 use crate::matching::icp::RingPoint;
+use crate::matching::rigid::Rigid;
 use crate::matching::search::{realign, Target};
+use crate::matching::similarity::size_change;
 use crate::matching::source::Source;
 use crate::options::Sizing;
 use crate::progress::Pace;
@@ -26,6 +30,7 @@ use crate::synthesis::project::Place;
 use crate::synthesis::resemblance::coherence_error;
 use crate::synthesis::view::{look, View};
 use crate::synthesis::window::{one_window, plan_windows, Window};
+use std::cell::Cell;
 use std::slice::from_ref;
 
 /// Fewer new vertices than this have no room for detail.
@@ -41,6 +46,10 @@ pub struct Search<'a> {
     pub library: &'a Library,
     /// The fill to look from, where that is not the one to be completed.
     pub from: Option<&'a Fill>,
+    /// What the caller says of it.
+    pub guidance: &'a Guidance,
+    /// Receives how many candidates there are, if one was asked for.
+    pub candidates: &'a Cell<usize>,
     /// Threads to use.
     pub threads: usize,
 }
@@ -50,12 +59,13 @@ pub struct Search<'a> {
 pub fn complete_hole(
     around: &Surroundings<'_>,
     fill: &Fill,
-    &Search { library, from, threads }: &Search<'_>,
+    search: &Search<'_>,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<(Patch, Story)>> {
     if fill.patch.positions.len() < fill.patch.rim_count + LEAST {
         return Ok(None);
     }
+    let &Search { library, from, guidance, candidates, threads } = search;
     let domain_of = |patch: &Patch, extent: Extent| {
         let (rim, edge) = (&fill.outline.vertices, fill.outline.mean_size());
         let domain = Domain::new(patch, around.near, around.incidence, rim, edge, extent);
@@ -65,8 +75,8 @@ pub fn complete_hole(
     // Parts of the whole by what the search and the two looks cost.
     let cost = Cost::of(domain.fill.len(), library.known.area / domain.radius.powi(2));
     let search = cost.search / cost.all();
-    let scope =
-        Scope { around, library, threads, check, search, first: search + 0.5 * (1.0 - search) };
+    let first = search + 0.5 * (1.0 - search);
+    let scope = Scope { around, library, guidance, candidates, threads, check, search, first };
     // In parts where the hole is long or bends around the object.
     let Some(whole) = one_window(&domain).filter(|_| !domain.is_slender()) else {
         let Some(narrow) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
@@ -106,7 +116,8 @@ fn take_density(patch: &mut Patch, view: &View<'_>, source: &Source) {
     for (i, &copy) in view.labels.iter().enumerate() {
         if let Some(place) = view.copies[copy].places[view.window.domain.fill.start + i] {
             let wanted = &mut patch.sizes[first + i];
-            let length = source.length_at(place.face, place.barycentric);
+            let scale = size_change(&view.copies[copy].transform);
+            let length = scale * source.length_at(place.face, place.barycentric);
             *wanted = length.clamp(FINER * *wanted, *wanted);
         }
     }
@@ -142,6 +153,8 @@ impl Cost {
 struct Scope<'a> {
     around: &'a Surroundings<'a>,
     library: &'a Library,
+    guidance: &'a Guidance,
+    candidates: &'a Cell<usize>,
     threads: usize,
     check: &'a dyn Fn(f64) -> Result<()>,
     /// Where the search ends in the whole, and where the first look does.
@@ -157,16 +170,38 @@ impl Scope<'_> {
         let targets: Vec<Target<'_>> =
             from.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
         let check = |part: f64| (self.check)(part * self.search);
-        let found = self.library.candidates(&targets, threads, &check)?;
+        let found = transforms(self.library, self.guidance, &targets, threads, &check)?;
         let mut views = Vec::new();
-        for (i, (window, candidates)) in windows.iter().zip(found.iter()).enumerate() {
+        for (i, (window, all)) in windows.iter().zip(found.iter()).enumerate() {
             let part = |part: f64| (i as f64 + part) / windows.len() as f64;
             let at = |p: f64| (self.check)(self.search + (self.first - self.search) * part(p));
-            let transforms: Vec<_> = candidates.iter().map(|c| c.transform).collect();
             let roughness = self.roughness(&window.domain);
-            views.extend(look(window, source, &transforms, roughness, threads, &at)?);
+            let chosen = self.choose(window, all, roughness, &at)?;
+            let transforms = chosen.as_ref().map_or(&all[..], from_ref);
+            if self.guidance.candidate == 0 || chosen.is_some() {
+                views.extend(look(window, source, transforms, roughness, threads, &at)?);
+            }
         }
         Ok(views)
+    }
+
+    /// The one of the transforms that was asked for; `None` if all are, or if it is not there.
+    fn choose(
+        &self,
+        window: &Window,
+        all: &[Rigid],
+        roughness: f64,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Option<Rigid>> {
+        let Some(place) = self.guidance.candidate.checked_sub(1) else { return Ok(None) };
+        let ring = window.domain.ring_points();
+        let ranked = rank(self.library, self.guidance, &window.domain.target(&ring), &|| {
+            let source = self.library.source();
+            let view = look(window, source, all, roughness, self.threads, &|_| check(0.0))?;
+            Ok(view.as_ref().map(RankedView::of))
+        })?;
+        self.candidates.set(self.candidates.get().max(ranked.len()));
+        Ok(ranked.get(place).copied())
     }
 
     /// Looks at what a view saw once more, over a surface that was found so. `error`: what the first look
@@ -190,7 +225,10 @@ impl Scope<'_> {
         let ring = first.window.domain.ring_points();
         let target = first.window.domain.target(&ring);
         let (known, threads) = (&self.library.known, self.threads);
-        transforms.extend(realign(known, source, &target, &best, threads, &|| stop(0.0))?);
+        // One that was chosen is left as it is; the alignments below keep the size.
+        if !self.guidance.is_single() && self.guidance.scales.is_none() {
+            transforms.extend(realign(known, source, &target, &best, threads, &|| stop(0.0))?);
+        }
         let views: Vec<View<'_>> =
             look(&window, source, &transforms, roughness, self.threads, &stop)?
                 .into_iter()
@@ -275,11 +313,19 @@ fn tell(
     let ring = places_on_ring(views, labels).map(seam).collect();
     let mut used = vec![0; all.len()];
     labels.iter().flatten().for_each(|&l| used[place(l) as usize] += 1);
+    // As the exemplar lies, of which it is.
+    let given = |&(w, k): &(usize, usize)| {
+        let copy = &views[w].copies[k];
+        let at = copy.places.iter().flatten().next();
+        at.map_or(copy.transform, |at| {
+            source.as_given(&copy.transform, source.face_ids[at.face as usize])
+        })
+    };
     let sources = all
         .iter()
         .zip(used)
         .map(|(l, vertices)| SourceReport {
-            transform: views[l.0].copies[l.1].transform,
+            transform: given(l),
             error: views[l.0].fitted.error[l.1],
             weight: share(l),
             vertices,

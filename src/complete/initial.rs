@@ -50,6 +50,7 @@ impl<'a> InitialFaces<'a> {
             fairing: Fairing::None,
             method: Method::Smooth,
             coherence_error: None,
+            candidates: 0,
             story: None,
         }))
     }

@@ -1,6 +1,7 @@
 //! What a coherent completion of a mesh copies from, its height maps by scale, and the searches made in
 //! it: kept between the holes of a call, and between the calls of a completer.
 
+use super::guided::{guess_scales, Kept};
 use crate::error::Result;
 use crate::matching::cloud::Cloud;
 use crate::matching::icp::RingPoint;
@@ -28,6 +29,10 @@ pub struct Library {
     clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
     /// What was searched for, and found: a hole that looks the same again is not searched again.
     found: Mutex<Vec<(Vec<Sought>, Found)>>,
+    /// The same of guided searches.
+    pub kept: Kept,
+    /// Scales at which the exemplars are as large as the mesh.
+    pub guesses: Vec<f64>,
 }
 
 /// The candidates of each of some windows.
@@ -38,7 +43,7 @@ const KEPT: usize = 256;
 
 /// All that the candidates of a window depend on, but the library.
 #[derive(PartialEq)]
-struct Sought {
+pub struct Sought {
     centre: DVec3,
     normal: DVec3,
     radius: f64,
@@ -47,12 +52,14 @@ struct Sought {
 }
 
 impl Sought {
-    fn of(target: &Target<'_>) -> Self {
+    /// What is looked for with a target.
+    pub fn of(target: &Target<'_>) -> Self {
         let Target { centre, normal, radius, .. } = *target;
         Self { centre, normal, radius, fill: target.fill.into(), ring: target.ring.into() }
     }
 
-    fn is(&self, target: &Target<'_>) -> bool {
+    /// Whether it is what a target asks for.
+    pub fn is(&self, target: &Target<'_>) -> bool {
         let Target { centre, normal, radius, fill, ring } = *target;
         let place = (self.centre, self.normal, self.radius) == (centre, normal, radius);
         place && self.fill == fill && self.ring == ring
@@ -72,13 +79,16 @@ impl Library {
         let of_part = sources.faces.is_some() || sources.exemplar.is_some();
         let paint = appearance.and_then(Paint::new);
         let chosen = of_part.then(|| Source::chosen(mesh, rims(), sources, check)).transpose()?;
+        let known = Source::new(mesh, rims(), check)?.painted(&paint);
         Ok(Self {
-            known: Source::new(mesh, rims(), check)?.painted(&paint),
+            guesses: guess_scales(known.area, sources.exemplar.as_deref()),
+            known,
             chosen: chosen.map(|s| s.painted(&paint)),
             mirrored: !sources.unmirrored,
             maps: Mutex::default(),
             clouds: Default::default(),
             found: Mutex::default(),
+            kept: Kept::default(),
         })
     }
 
@@ -100,6 +110,21 @@ impl Library {
         let of_source = chosen.unwrap_or_else(|| known.clone());
         let make = || Maps::new(self.source(), radius, of_source, known, self.mirrored, check);
         once(&self.maps, scale, make)
+    }
+
+    /// Maps of a source of another size, which are not kept.
+    pub fn maps_of(
+        &self,
+        source: &Source,
+        radius: f64,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Maps> {
+        let edge = self.known.edge;
+        let radius = radius_at(edge, scale_of(edge, radius));
+        let key = cloud_scale(&self.known, radius);
+        let known = once(&self.clouds[0], key, || cloud_at(&self.known, key, check))?;
+        let own = Arc::new(cloud_at(source, cloud_scale(source, radius), check)?);
+        Maps::new(source, radius, own, known, self.mirrored, check)
     }
 
     /// The candidates for some windows, which share one radius.

@@ -3,14 +3,17 @@
 
 mod check;
 mod coherent;
+mod guided;
 pub mod harary;
 mod initial;
 mod library;
+mod pulled;
 mod smooth;
 mod workers;
 
 use crate::error::{Error, Result};
 use crate::fill::sheet::Incidence;
+use crate::guidance::Guidance;
 use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
@@ -26,7 +29,9 @@ use cpu_time::ProcessTime;
 use glam::DVec3;
 use initial::InitialFaces;
 use library::Library;
+use pulled::{pull_fill, share_points};
 use smooth::{fill_hole, Fill, Surroundings};
+use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -154,6 +159,7 @@ impl<'a> Completer<'a> {
     fn complete_anew(&self, options: &Options, monitor: &Monitor) -> Result<Completion> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
         options.check()?;
+        let options = &options.guided();
         options.sources.check(self.mesh.faces.len())?;
         let vertices = self.mesh.vertices.len();
         if let Some(appearance) = &options.appearance {
@@ -162,6 +168,7 @@ impl<'a> Completer<'a> {
         options.initial.as_ref().map_or(Ok(()), |i| i.check(vertices))?;
         let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
         let todo = self.safe_holes(&wanted, options)?;
+        let points = share_points(&options.guidance, &todo)?;
         monitor.step(0.05, "copying the surroundings")?;
         let boxes: Vec<Bounds> = todo.iter().map(|h| self.reach(h)).collect();
         let near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
@@ -182,18 +189,46 @@ impl<'a> Completer<'a> {
         monitor.step(0.1, "filling")?;
         let mut outcomes = workers::run(todo.len(), options.threads, monitor, &|i, check| {
             let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
-            self.fill_one(&around, &obstacles, todo[i], todo.len(), options, check)
+            let hole = (todo[i], &points[i][..]);
+            self.fill_one(&around, &obstacles, hole, todo.len(), options, check)
         })?;
         if options.method == Method::Harary {
             self.make_coherent(&around, &boxes, &mut outcomes, monitor)?;
         }
         monitor.step(0.95, "checking the fills against each other")?;
-        self.part_fills(&around, &boxes, &todo, &mut outcomes, options, monitor)?;
+        let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
+        self.part_fills(&around, &boxes, &holes, &mut outcomes, options, monitor)?;
         let mut completion = self.assemble(&near, &wanted, &todo, outcomes, options)?;
         completion.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
         completion.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
         monitor.step(1.0, "done")?;
         Ok(completion)
+    }
+
+    /// The `count` best candidates, best first: the completion that each alone makes, with its transform,
+    /// error and confidence in the reports. Fewer if there are fewer; of holes that have different numbers
+    /// as many as one has, and those that have no more get smooth fills. None if nothing serves.
+    /// The search is done once. `options.guidance.candidate` is not read.
+    pub fn candidates(
+        &self,
+        count: usize,
+        options: &Options,
+        monitor: &Monitor,
+    ) -> Result<Vec<Completion>> {
+        let mut all = Vec::new();
+        for candidate in 1..=count {
+            let guidance = Guidance { candidate, ..options.guidance.clone() };
+            let done = |part: f64| (candidate as f64 - 1.0 + part) / count as f64;
+            let report = |part: f64, stage: &str| monitor.step(done(part), stage).is_ok();
+            let own = Options { guidance, ..options.clone() };
+            let made = self.complete(&own, &Monitor::new(&report))?;
+            if made.holes.iter().all(|h| h.candidates < candidate) {
+                break;
+            }
+            all.push(made);
+        }
+        monitor.step(1.0, "done")?;
+        Ok(all)
     }
 
     /// The last result, if the same was asked for.
@@ -232,7 +267,7 @@ impl<'a> Completer<'a> {
         &self,
         around: &Surroundings<'_>,
         obstacles: &Obstacles<'_>,
-        hole: &Hole,
+        (hole, points): (&Hole, &[DVec3]),
         holes: usize,
         options: &Options,
         check: &dyn Fn(f64) -> Result<()>,
@@ -256,6 +291,12 @@ impl<'a> Completer<'a> {
             Some(initial) => initial.fill_hole(around, &loops, obstacles, &early)?,
             None => fill_hole(around, &loops, obstacles, &early)?,
         };
+        let drawn = (points, options.guidance.softness);
+        if let Ok(fill) = &mut filled {
+            if let Err(why) = pull_fill(around, obstacles, fill, drawn, &early)? {
+                filled = Err(why);
+            }
+        }
         if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
             let making = self.making(fill);
@@ -267,8 +308,17 @@ impl<'a> Completer<'a> {
                 true => None,
                 false => fill_hole(&around.standard(), &loops, obstacles, &|_| late(0.0))?.ok(),
             };
-            let search = Search { library: &library, from: standard.as_ref(), threads };
+            let (guidance, candidates) = (&options.guidance, &Cell::new(0));
+            let (library, from) = (&library, standard.as_ref());
+            let search = Search { library, from, guidance, candidates, threads };
             self.continue_fill(around, obstacles, fill, &search, &late)?;
+            fill.candidates = candidates.get();
+            // What was copied does not know of the points; a smooth fill went through them already.
+            if fill.method == Method::Coherent {
+                if let Err(why) = pull_fill(around, obstacles, fill, drawn, &|_| late(1.0))? {
+                    filled = Err(why);
+                }
+            }
         }
         let seconds = clock.elapsed().as_secs_f64();
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
@@ -335,7 +385,7 @@ impl<'a> Completer<'a> {
         &self,
         around: &Surroundings<'_>,
         boxes: &[Bounds],
-        todo: &[&Hole],
+        todo: &[(&Hole, &[DVec3])],
         outcomes: &mut [Outcome],
         options: &Options,
         monitor: &Monitor,
@@ -418,6 +468,7 @@ impl<'a> Completer<'a> {
                     report.method = fill.method;
                     report.coherence_error = fill.coherence_error;
                     report.fairing = fill.fairing;
+                    report.candidates = fill.candidates;
                     if let Some(story) = fill.story {
                         report.sources = story.sources;
                         report.seams = story.seams;
@@ -454,6 +505,7 @@ fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
         sources: Vec::new(),
         seams: Vec::new(),
         ring: Vec::new(),
+        candidates: 0,
         confidence: 0.0,
         coherence_error: None,
         vertices: 0..0,

@@ -108,6 +108,8 @@ pub struct Fill {
     pub method: Method,
     /// See [`crate::HoleReport::coherence_error`].
     pub coherence_error: Option<[f64; 2]>,
+    /// See [`crate::HoleReport::candidates`].
+    pub candidates: usize,
     /// Where it was continued from, unless it is smooth.
     pub story: Option<Story>,
 }
@@ -193,8 +195,15 @@ pub fn fill_hole(
                     // The blend is a thin plate with a share of curvature.
                     let fairing = if attempt == Fairing::Auto { Fairing::C1 } else { attempt };
                     let (method, coherence_error, story) = (Method::Smooth, None, None);
-                    let made = Fill { outline, patch, fairing, method, coherence_error, story };
-                    return Ok(Ok(made));
+                    return Ok(Ok(Fill {
+                        outline,
+                        patch,
+                        fairing,
+                        method,
+                        coherence_error,
+                        candidates: 0,
+                        story,
+                    }));
                 }
                 Err(why) => reason = why,
             }

@@ -59,7 +59,7 @@ impl Effort {
 /// The part of a search that making and comparing maps takes, the rest being alignment.
 const MAPS_PART: f64 = 0.7;
 /// Ring points of the first and of the second alignment, at most.
-const POINTS: [usize; 2] = [160, 400];
+pub const POINTS: [usize; 2] = [160, 400];
 
 /// The source at one scale: a thinned cloud and the height maps around centres spread over it, each
 /// made when it is first asked for.
@@ -318,7 +318,7 @@ fn wide_ring(known: &Source, target: &Target<'_>, width: f64) -> Vec<RingPoint> 
 }
 
 /// At most about `most` points, evenly spread: the first of each cell along the axes.
-fn thin_ring(ring: &[RingPoint], most: usize, axes: &DMat3) -> Vec<RingPoint> {
+pub fn thin_ring(ring: &[RingPoint], most: usize, axes: &DMat3) -> Vec<RingPoint> {
     let along = axes.transpose();
     if ring.len() <= most {
         return ring.to_vec();

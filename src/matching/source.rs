@@ -3,12 +3,13 @@
 
 use super::axes::principal_axes;
 use super::paint::Paint;
+use super::rigid::Rigid;
 use crate::error::Result;
 use crate::intersect::Bvh;
 use crate::mesh::boundary::find_boundary;
 use crate::mesh::normals::vertex_normals_checked;
 use crate::mesh::MeshView;
-use crate::options::Sources;
+use crate::options::{Exemplar, Sources};
 use crate::progress::{Monitor, Pace};
 use glam::{DMat3, DVec3};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
@@ -42,6 +43,9 @@ pub struct Source {
     pub lengths: Vec<f64>,
     /// The colours that steer the search, if there are any.
     pub paint: Option<Paint>,
+    /// Input faces from which on they are of another exemplar, and how far that was shifted, so that no two
+    /// lie on each other.
+    pub shifts: Vec<(u32, DVec3)>,
 }
 
 /// A k-d tree over points that may be few or none; many are cut into pieces with a tree each, as the
@@ -174,8 +178,9 @@ impl Source {
             let view = MeshView::new(&exemplar.vertices[..], &exemplar.faces[..]);
             let edges = find_boundary(view, &Monitor::silent())?.edges;
             let boundary = edges.iter().flat_map(|e| [e.from, e.to]);
-            let exemplar = Parts::of(view, boundary, &|_| true, &|| check(0.05))?;
-            parts.append(exemplar, mesh.faces.len());
+            let part = Parts::of(view, boundary, &|_| true, &|| check(0.05))?;
+            parts.append(part, mesh.faces.len());
+            parts.part(exemplar, mesh.vertices.len(), mesh.faces.len());
         }
         parts.build(check)
     }
@@ -220,6 +225,14 @@ impl Source {
         (0..3).map(|k| barycentric[k] * self.lengths[corners[k] as usize]).sum()
     }
 
+    /// A transform of the source, as one of the exemplar that an input face belongs to.
+    pub fn as_given(&self, transform: &Rigid, input_face: u32) -> Rigid {
+        match self.shifts.iter().rfind(|s| s.0 <= input_face) {
+            Some(&(_, by)) => transform.after(&Rigid { translation: by, ..Rigid::IDENTITY }),
+            None => *transform,
+        }
+    }
+
     /// Whether a face has a vertex on a boundary loop.
     pub fn touches_boundary(&self, face: u32) -> bool {
         self.faces[face as usize].iter().any(|&v| self.on_boundary[v as usize])
@@ -237,6 +250,7 @@ struct Parts {
     on_boundary: Vec<bool>,
     faces: Vec<[u32; 3]>,
     face_ids: Vec<u32>,
+    shifts: Vec<(u32, DVec3)>,
 }
 
 impl Parts {
@@ -267,7 +281,7 @@ impl Parts {
         }
         let mut on_boundary = vec![false; n];
         boundary.for_each(|v| on_boundary[v as usize] = true);
-        Ok(Self { positions, normals, on_boundary, faces, face_ids })
+        Ok(Self { positions, normals, on_boundary, faces, face_ids, shifts: Vec::new() })
     }
 
     fn append(&mut self, other: Self, first_face: usize) {
@@ -279,8 +293,30 @@ impl Parts {
         self.face_ids.extend(other.face_ids.iter().map(|&f| f + first_face as u32));
     }
 
+    /// Moves the exemplars, all but the first, out of the way of all that is there, along x.
+    fn part(&mut self, exemplar: &Exemplar, first_vertex: usize, first_face: usize) {
+        let Some(&first) = exemplar.parts.first() else { return };
+        let beyond = |p: &[DVec3]| p.iter().fold(f64::NEG_INFINITY, |x, p| x.max(p.x));
+        let (before, of_parts) = self.positions.split_at_mut(first_vertex + first);
+        let (mut end, mut rest, mut at) = (beyond(before), of_parts, first as u32);
+        for &count in &exemplar.parts[1..] {
+            let (own, others) = rest.split_at_mut(count);
+            let low = own.iter().fold(f64::INFINITY, |x, p| x.min(p.x));
+            // Farther apart than any hole is wide.
+            let width = beyond(own) - low;
+            let shift = (end + 2.0 * width.max(end.abs()) - low) * DVec3::X;
+            own.iter_mut().for_each(|p| *p += shift);
+            end = beyond(own).max(end);
+            let face = exemplar.faces.iter().position(|f| f[0] >= at);
+            if let Some(face) = face.filter(|_| count > 0) {
+                self.shifts.push(((first_face + face) as u32, shift));
+            }
+            (rest, at) = (others, at + count as u32);
+        }
+    }
+
     fn build(self, check: &dyn Fn(f64) -> Result<()>) -> Result<Source> {
-        let Self { positions, normals, on_boundary, faces, face_ids } = self;
+        let Self { positions, normals, on_boundary, faces, face_ids, shifts } = self;
         let mut used = vec![false; positions.len()];
         let (mut area, mut length) = (0.0, 0.0);
         let stop = || check(0.1);
@@ -297,6 +333,7 @@ impl Parts {
         let (roughness, lengths) = edge_means(&positions, &normals, &faces, edge, &|| check(0.15))?;
         Ok(Source {
             paint: None,
+            shifts,
             roughness,
             lengths,
             tree: Bvh::new_checked(&positions, &faces, &|| check(0.3))?,

@@ -15,7 +15,7 @@ use nalgebra::{SMatrix, SVector};
 /// 0.05 did as well, 0.1 worse.
 const STRAIN: f64 = 0.05;
 /// Greatest strain, three deviations: what needs more is another thing, and the rigid copy stands.
-const MOST: f64 = 3.0 * STRAIN;
+pub const MOST: f64 = 3.0 * STRAIN;
 /// Fewest pairs for the twelve unknowns.
 const LEAST_PAIRS: usize = 24;
 

@@ -212,6 +212,7 @@ mod tests {
                 sources: vec![source(0.7), source(0.3)],
                 seams: Vec::new(),
                 ring: Vec::new(),
+                candidates: 0,
                 confidence: 0.9,
                 coherence_error: None,
                 vertices: 0..2,

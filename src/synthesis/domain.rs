@@ -254,6 +254,11 @@ impl Domain {
 
     /// L M⁻¹ L over complete rows: the thin plate's energy, lower triangle.
     pub fn plate_energy(&self) -> Symmetric {
+        Symmetric::from_columns(self.plate_columns())
+    }
+
+    /// The same by columns of (row, value), rows repeated.
+    pub fn plate_columns(&self) -> Vec<Vec<(u32, f64)>> {
         let l = &self.laplacian;
         let n = self.sheet.positions.len();
         let mut columns: Vec<Vec<(u32, f64)>> = (0..n).map(|v| vec![(v as u32, 0.0)]).collect();
@@ -268,7 +273,7 @@ impl Domain {
                 }
             }
         }
-        Symmetric::from_columns(columns)
+        columns
     }
 
     /// L itself, lower triangle: the membrane's energy.

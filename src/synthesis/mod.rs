@@ -4,6 +4,7 @@
 pub mod anchors;
 pub mod appearance;
 pub mod coherence_error;
+pub mod constraints;
 pub mod describe;
 pub mod domain;
 pub mod factor;

@@ -4,6 +4,7 @@
 use super::domain::Domain;
 use crate::matching::paint::squared_difference;
 use crate::matching::rigid::Rigid;
+use crate::matching::similarity::size_change;
 use crate::matching::source::Source;
 use glam::DVec3;
 
@@ -90,9 +91,10 @@ fn meet(domain: &Domain, source: &Source, back: &Rigid, v: usize, copy: &mut Cop
     let origin = back.point(domain.sheet.positions[v]);
     let direction = back.direction(domain.directions[v]);
     // A reflection turns the corners' order around, not the outward normal.
+    let facing = FACING * size_change(back);
     let accept = |_: u32, t: &[DVec3; 3]| {
         let n = (t[1] - t[0]).cross(t[2] - t[0]);
-        n.dot(direction) > FACING * n.length()
+        n.dot(direction) > facing * n.length()
     };
     let reach = REACH * domain.radius;
     let Some((face, height)) = source.tree.meet_line(origin, direction, reach, accept) else {

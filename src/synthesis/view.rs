@@ -25,7 +25,7 @@ const TRUSTED: (f64, f64) = (0.5, 0.8);
 /// share is cut by this part.
 const OPTIMISM: f64 = 0.6;
 /// Ratio from which on a smooth surface is the better guess.
-const HOPELESS: f64 = 1.1;
+pub const HOPELESS: f64 = 1.1;
 /// Part of the ring's variance of colour that a copy may leave for its colours to be believed where its
 /// shape is not: a smooth or flat wall that is painted.
 const SAME_COLOURS: f64 = 0.4;

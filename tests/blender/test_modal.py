@@ -43,7 +43,7 @@ class Driven:
     """An operator in a window."""
 
     method, density, max_edges = "COHERENT", 1.0, 0
-    source, source_group, source_object, mirror = "MESH", "", "", True
+    source, source_group, source_object, mirror, candidate = "MESH", "", "", True, 0
     match_colors = True
     keep_largest_open, join_loops, skip_unsafe, write_attributes = False, True, False, True
     invoke, modal, cancel, execute = OPERATOR.invoke, OPERATOR.modal, OPERATOR.cancel, OPERATOR.execute

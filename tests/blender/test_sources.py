@@ -135,6 +135,14 @@ def test_no_mirroring():
     check_added("not mirrored", ob, before, result)
 
 
+def test_candidate():
+    ob = scenes.column()
+    before = scenes.snapshot(ob)
+    result, _ = reference(ob, candidate=2)
+    fill(candidate=2)
+    check_added("the second candidate", ob, before, result)
+
+
 def test_no_source():
     ob = scenes.column()
     ob.vertex_groups.new(name="nobody")

@@ -67,6 +67,7 @@ int main(int argc, char **argv) {
   test_selection();
   test_provenance();
   test_sources();
+  test_guidance();
   if (!memory_only) {
     test_versions();
     test_values();

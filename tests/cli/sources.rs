@@ -143,3 +143,115 @@ fn the_tinted_picture_shows_the_source_and_a_legend() {
     // A row for the source, a few lines of words.
     assert!((tinted - plain - 470) > 40 && tinted - plain - 470 < 400, "{plain} {tinted}");
 }
+
+/// A twin twice as large: placed by numbers or by a file it gives back what is missing, and so it does if
+/// it may be scaled.
+#[test]
+fn an_exemplar_is_placed_by_hand_or_scaled() {
+    let place = Place::new();
+    place.expect(0, "sample vessel --resolution 90 -q -o whole.ply");
+    place.expect(0, "sample vessel --resolution 90 --break disc -q -o in.ply");
+    let (vertices, faces) = geometry(&place.path("whole.ply"));
+    let mut text = String::from("OFF\n");
+    text += &format!("{} {} 0\n", vertices.len(), faces.len());
+    for p in &vertices {
+        let [x, y, z] = p.map(f64::from_bits);
+        text += &format!("{} {} {}\n", 2.0 * y + 1.0, 2.0 * z, 2.0 * x);
+    }
+    faces.iter().for_each(|f| text += &format!("3 {} {} {}\n", f[0], f[1], f[2]));
+    std::fs::write(place.path("twin.off"), text).unwrap();
+    let rows = "0 0 0.5 0\n0.5 0 0 -0.5\n0 0.5 0 0\n";
+    std::fs::write(place.path("m.txt"), rows).unwrap();
+    let off = |name: &str| worst_of_new(&place, "in.ply", name, "whole.ply");
+    let numbers = rows.split_whitespace().collect::<Vec<_>>().join(",");
+    for flags in
+        [format!("--transform {numbers}"), "--transform m.txt".into(), "--scale 0.1,10".into()]
+    {
+        let line = format!("fill in.ply --exemplar twin.off --exemplar-only {flags} -q -o out.ply");
+        place.expect(0, &line);
+        assert_kept(&place.path("in.ply"), &place.path("out.ply"));
+        println!("{flags}: {:.1e} edges", off("out.ply"));
+        assert!(off("out.ply") < 1e-3, "{flags}");
+    }
+    let (_, stderr) = place.expect(2, "fill in.ply --transform 1,2,3 -o none.ply");
+    assert!(stderr.contains("12 or 16"), "{stderr}");
+    place.expect(4, "fill in.ply --transform 1,0,0,0,0,2,0,0,0,0,1,0 -o none.ply");
+    place.expect(2, "fill in.ply --transform m.txt --candidate 1 -o none.ply");
+    place.expect(2, "fill in.ply --refine-transform -o none.ply");
+}
+
+/// A file for each candidate, and one report with all of them; one alone is the same file.
+#[test]
+fn candidates_are_files_side_by_side() {
+    let place = Place::new();
+    place.expect(0, "sample column --resolution 60 --break disc -q -o in.ply");
+    place.expect(0, "fill in.ply --candidates 3 -q -o out.ply --report r.json --picture p.png");
+    let report = place.json("r.json");
+    let list = report["candidates"].as_array().unwrap();
+    assert_eq!(list.len(), 3);
+    for (i, one) in list.iter().enumerate() {
+        let name = format!("out-{}.ply", i + 1);
+        assert_kept(&place.path("in.ply"), &place.path(&name));
+        assert!(place.path(&format!("p-{}.png", i + 1)).exists());
+        let hole = &one["holes"][0];
+        assert_eq!(one["candidate"], i + 1);
+        assert_eq!(hole["sources"].as_array().unwrap().len(), 1);
+        assert!(hole["confidence"].as_f64().unwrap() > 0.0);
+        assert!(one["output"]["path"].as_str().unwrap().ends_with(&name));
+        place.expect(0, &format!("fill in.ply --candidate {} -q -o one.ply", i + 1));
+        let bytes = |name: &str| std::fs::read(place.path(name)).unwrap();
+        assert!(bytes("one.ply") == bytes(&name), "{name}");
+    }
+    assert!(!place.path("out.ply").exists());
+    place.expect(2, "fill in.ply --candidates 0 -o out.ply");
+    place.expect(2, "fill out-2.ply --candidates 3 -o out.ply");
+    // A tetrahedron without its floor has nothing to copy from.
+    let text = "OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    std::fs::write(place.path("bare.off"), text).unwrap();
+    let (_, stderr) = place.expect(1, "fill bare.off --candidates 2 -o bare-out.off");
+    assert!(stderr.contains("no candidate"), "{stderr}");
+}
+
+/// Points of the whole vessel that lie inside the hole: a smooth fill goes through them.
+#[test]
+fn fills_pass_through_the_points_of_a_file() {
+    let place = Place::new();
+    place.expect(0, "sample vessel --resolution 90 --break disc -q -o in.ply --truth piece.ply");
+    place.expect(0, "fill in.ply --method smooth -q -o plain.ply");
+    let (piece, _) = geometry(&place.path("piece.ply"));
+    let some: Vec<[f64; 3]> =
+        piece.iter().step_by(piece.len() / 15).map(|p| p.map(f64::from_bits)).collect();
+    let line = |p: &[f64; 3]| format!("{} {} {}\n", p[0], p[1], p[2]);
+    std::fs::write(place.path("some.xyz"), some.iter().map(line).collect::<String>()).unwrap();
+    place.expect(0, "fill in.ply --method smooth --points some.xyz -q -o through.ply");
+    assert_kept(&place.path("in.ply"), &place.path("through.ply"));
+    let off = |name: &str| {
+        let (vertices, faces) = geometry(&place.path(name));
+        let corners: Vec<DVec3> = vertices.iter().map(|p| p.map(f64::from_bits).into()).collect();
+        let tree = Bvh::new(&corners, &faces);
+        let of = |p: &[f64; 3]| tree.closest_point((*p).into(), f64::INFINITY).unwrap().distance;
+        some.iter().map(of).fold(0.0, f64::max)
+    };
+    println!("{:.2e} {:.2e}", off("plain.ply"), off("through.ply"));
+    assert!(off("through.ply") < 0.05 * off("plain.ply"));
+    let text = "OFF\n1 0 0\n0 0 900\n";
+    std::fs::write(place.path("far.off"), text).unwrap();
+    let (_, stderr) = place.expect(4, "fill in.ply --points far.off -o none.ply");
+    assert!(stderr.contains("point 0"), "{stderr}");
+    place.expect(2, "fill in.ply --softness 0.1 -o none.ply");
+}
+
+/// A ball and a twin on each other: the twin serves.
+#[test]
+fn exemplars_are_kept_apart() {
+    let place = Place::new();
+    place.expect(0, "sample vessel --resolution 90 -q -o whole.ply");
+    place.expect(0, "sample sphere --resolution 40 -q -o ball.ply");
+    place.expect(0, "sample vessel --resolution 90 --break disc -q -o in.ply");
+    let line = "fill in.ply --exemplar ball.ply --exemplar whole.ply --exemplar-only -q -o out.ply";
+    place.expect(0, line);
+    assert_kept(&place.path("in.ply"), &place.path("out.ply"));
+    let off = worst_of_new(&place, "in.ply", "out.ply", "whole.ply");
+    println!("{off:.3} edges");
+    assert!(off < 0.05, "{off}");
+}

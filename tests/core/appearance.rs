@@ -109,7 +109,11 @@ fn from_exemplar(mirrored: bool) {
         whole.faces.iter_mut().for_each(|f| f.swap(1, 2));
     }
     let truth = |p: DVec3| linear(turn.transpose() * (p - to));
-    let twin = Exemplar { vertices: whole.vertices.clone(), faces: whole.faces.clone() };
+    let twin = Exemplar {
+        vertices: whole.vertices.clone(),
+        faces: whole.faces.clone(),
+        ..Exemplar::default()
+    };
     let sources =
         Sources { exemplar: Some(Arc::new(twin)), exemplar_only: true, ..Sources::default() };
     let mut values = painted(&broken, &truth, 3);

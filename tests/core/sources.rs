@@ -29,6 +29,7 @@ fn moved(mesh: &Mesh, mirrored: bool) -> Exemplar {
     Exemplar {
         vertices: mesh.vertices.iter().map(place).collect(),
         faces: mesh.faces.iter().map(face).collect(),
+        ..Exemplar::default()
     }
 }
 
@@ -91,6 +92,7 @@ fn a_wrong_exemplar_gets_a_low_confidence() {
     let exemplar = Exemplar {
         vertices: ball.vertices.iter().map(|p| p.map(f64::from)).collect(),
         faces: ball.faces,
+        ..Exemplar::default()
     };
     let sources = |exemplar| Sources {
         exemplar: Some(Arc::new(exemplar)),

@@ -4,6 +4,7 @@ int main() {
   test_values();
   test_options();
   test_sources();
+  test_guidance();
   test_failures();
   test_progress();
   test_completer();

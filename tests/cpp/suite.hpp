@@ -41,6 +41,7 @@ Ball<Scalar> make_ball_of(int patches = 1) {
 void test_values();
 void test_options();
 void test_sources();
+void test_guidance();
 void test_failures();
 void test_progress();
 void test_completer();

@@ -34,6 +34,7 @@ class Call {
     set(options);
     set_sources<Scalar>(options, mesh.face_count);
     set_values(options, mesh.vertex_count);
+    set_guidance(options);
     if (progress_) {
       c_.progress = &Call::report;
       c_.progress_user = this;
@@ -114,6 +115,20 @@ class Call {
     c_.exemplar_values = options.exemplar_values.empty() ? nullptr : options.exemplar_values.data();
     c_.value_channels = options.value_channels;
     c_.steering_channels = options.steering_channels;
+  }
+  void set_guidance(const Options& options) {
+    c_.placement = options.placement ? options.placement->data() : nullptr;
+    c_.refine = options.refine ? 1 : 0;
+    c_.candidate = options.candidate;
+    c_.exemplar_parts = options.exemplar_parts.empty() ? nullptr : options.exemplar_parts.data();
+    c_.exemplar_part_count = options.exemplar_parts.size();
+    c_.constraint_points =
+        options.constraint_points.empty() ? nullptr : options.constraint_points[0].data();
+    c_.constraint_count = options.constraint_points.size();
+    c_.softness = options.softness;
+    if (!options.scale_range) return;
+    c_.least_scale = (*options.scale_range)[0];
+    c_.greatest_scale = (*options.scale_range)[1];
   }
   void fits(const char* name, const std::vector<double>& values, std::size_t channels, std::size_t count) {
     if (values.empty() || values.size() == channels * count || refused_) return;

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -150,6 +151,21 @@ struct Options {
   std::uint32_t value_channels = 0;
   // How many of them, from the first on, help to find what is copied: 3 for red, green and blue.
   std::uint32_t steering_channels = 0;
+  // The one place to copy from, given by hand: a transform as in Source; empty: places are searched for.
+  std::optional<std::array<double, 12>> placement = {};
+  // Improve the placement by what is known around the hole.
+  bool refine = false;
+  // Which of the places found a fill is made from, counted from 1; 0: all together. See
+  // Hole::candidate_count and Completer::candidates.
+  std::uint32_t candidate = 0;
+  // Least and greatest factor by which sources may be scaled; empty: they are not.
+  std::optional<std::array<double, 2>> scale_range = {};
+  // How many vertices each of several exemplars has that stand one after the other; empty: one.
+  std::vector<std::uint32_t> exemplar_parts = {};
+  // Points inside holes that fills pass through, smooth ones, too.
+  std::vector<std::array<double, 3>> constraint_points = {};
+  // How far fills may stay off the points, 0 to 1.
+  double softness = 0;
 };
 
 }  // namespace mesh_completion

@@ -40,6 +40,7 @@ struct Hole {
   double confidence;
   double coherence_error_before;
   double coherence_error_after;
+  std::uint32_t candidate_count;
 };
 
 // See complete_mesh_source.
@@ -77,7 +78,7 @@ class Holes {
             c.loop_count, c.edge_count, c.circumference, c.diameter,
             {c.centre[0], c.centre[1], c.centre[2]}, c.first_new_vertex, c.new_vertex_count,
             c.first_new_face, c.new_face_count, c.seconds, c.source_count, c.confidence,
-            c.coherence_error_before, c.coherence_error_after};
+            c.coherence_error_before, c.coherence_error_after, c.candidate_count};
   }
   iterator begin() const { return iterator(this, 0); }
   iterator end() const { return iterator(this, size()); }

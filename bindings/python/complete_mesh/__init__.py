@@ -16,7 +16,7 @@ by the environment variable COMPLETE_MESH_LIBRARY, or is installed on the system
 
 from ._errors import Cancelled, CompleteMeshError, LibraryNotFound, Status
 from ._library import library_path, library_version
-from ._mesh import Completer, complete_mesh, list_holes
+from ._mesh import Completer, candidates, complete_mesh, list_holes
 from ._points import PointResult, complete_points
 from ._result import Hole, Holes, Result, Source
 
@@ -33,6 +33,7 @@ __all__ = [
     "Result",
     "Source",
     "Status",
+    "candidates",
     "complete_mesh",
     "complete_points",
     "library_path",

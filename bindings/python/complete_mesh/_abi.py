@@ -73,6 +73,16 @@ class Options(c.Structure):
         ("exemplar_values", c_void_p),
         ("value_channels", c_uint32),
         ("steering_channels", c_uint32),
+        ("placement", c_void_p),
+        ("refine", c_uint32),
+        ("candidate", c_uint32),
+        ("least_scale", c_double),
+        ("greatest_scale", c_double),
+        ("exemplar_parts", c_void_p),
+        ("exemplar_part_count", c_size_t),
+        ("constraint_points", c_void_p),
+        ("constraint_count", c_size_t),
+        ("softness", c_double),
     ]
 
 
@@ -99,6 +109,8 @@ class Hole(c.Structure):
         ("confidence", c_double),
         ("coherence_error_before", c_double),
         ("coherence_error_after", c_double),
+        ("candidate_count", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 

@@ -42,6 +42,13 @@ def complete_mesh(
     vertex_values: Optional[ArrayLike] = None,
     exemplar_values: Optional[ArrayLike] = None,
     steering_channels: int = 0,
+    placement: Optional[ArrayLike] = None,
+    refine: bool = False,
+    candidate: int = 0,
+    scale_range: Optional[Sequence[float]] = None,
+    exemplar_parts: Optional[Sequence[int]] = None,
+    constraint_points: Optional[ArrayLike] = None,
+    softness: float = 0.0,
     threads: int = 0,
     output: str = "whole_mesh",
     progress: Optional[Progress] = None,
@@ -87,6 +94,20 @@ def complete_mesh(
         exemplar_values: the same of the exemplar's vertices, (p, c) or (p,).
         steering_channels: how many numbers of a row, from the first on, help to find what is copied:
             3 for red, green and blue.
+        placement: (3, 4) or (4, 4): the one place to copy from, given by hand, as the transform from
+            the source to the hole (`Source.transform`); of the exemplar, if there is one. It may
+            turn, mirror, scale and shift.
+        refine: improve the placement by what is known around the hole.
+        candidate: make each fill from this one of the places found, counted from 1, the best first; 0:
+            from all together. A hole that has fewer gets a smooth fill; see `Hole.candidate_count`.
+        scale_range: (least, greatest) factor by which sources may be scaled, within 0.001 to 1000. The
+            wider, the slower.
+        exemplar_parts: how many vertices each of several exemplars has that stand one after the other in
+            exemplar_vertices, faces in the same order; each may lie anywhere. None: they are one.
+        constraint_points: (p, 3): points inside holes that fills pass through, smooth ones, too. One
+            that is farther from its hole's middle than the hole's diameter is refused.
+        softness: how far fills may stay off the points, 0 to 1; 0.1 halves the height of a bump over
+            the whole hole.
         threads: worker threads, 0 for as many as there are cores. The result does not depend on it.
         output: "whole_mesh", or "new_only" for a result without `vertices` and `faces`.
         progress: called as ``progress(fraction, stage)`` with 0 to 1 and a word or two, on the
@@ -192,6 +213,13 @@ class Completer:
         vertex_values: Optional[ArrayLike] = None,
         exemplar_values: Optional[ArrayLike] = None,
         steering_channels: int = 0,
+        placement: Optional[ArrayLike] = None,
+        refine: bool = False,
+        candidate: int = 0,
+        scale_range: Optional[Sequence[float]] = None,
+        exemplar_parts: Optional[Sequence[int]] = None,
+        constraint_points: Optional[ArrayLike] = None,
+        softness: float = 0.0,
         threads: int = 0,
         output: str = "whole_mesh",
         progress: Optional[Progress] = None,
@@ -210,6 +238,32 @@ class Completer:
             )
         finally:
             self._lib.result_free(handle)
+
+    def candidates(self, count: int = 5, **options: Any) -> list[Result]:
+        """The completions that the best places alone make, best first, `count` at most; each hole's
+        source has the transform and the error. Keywords are those of `complete`, without
+        `candidate`. The places are searched for once."""
+        made: list[Result] = []
+        for candidate in range(1, count + 1):
+            result = self.complete(candidate=candidate, **options)
+            if all(hole.candidate_count < candidate for hole in result.holes):
+                break
+            made.append(result)
+        return made
+
+
+def candidates(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    count: int = 5,
+    *,
+    grouping: str = "automatic",
+    join_vertices: Optional[Sequence[Sequence[int]]] = None,
+    **options: Any,
+) -> list[Result]:
+    """The completions that the best places alone make: `Completer.candidates` of a new completer."""
+    completer = Completer(vertices, faces, grouping=grouping, join_vertices=join_vertices)
+    return completer.candidates(count, **options)
 
 
 def _is_whole(output: str) -> bool:

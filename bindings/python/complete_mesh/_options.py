@@ -55,6 +55,13 @@ class Call:
         vertex_values: Optional[ArrayLike] = None,
         exemplar_values: Optional[ArrayLike] = None,
         steering_channels: int = 0,
+        placement: Optional[ArrayLike] = None,
+        refine: bool = False,
+        candidate: int = 0,
+        scale_range: Optional[Sequence[float]] = None,
+        exemplar_parts: Optional[Sequence[int]] = None,
+        constraint_points: Optional[ArrayLike] = None,
+        softness: float = 0.0,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -82,6 +89,11 @@ class Call:
         options.unmirrored = bool(unmirrored)
         self._set_surface("initial", initial_vertices, initial_faces, mesh)
         self._set_values(vertex_values, exemplar_values, steering_channels, len(mesh.vertices))
+        self._set_guidance(placement, refine, candidate, scale_range)
+        if exemplar_parts is not None:
+            options.exemplar_parts = self._indices("exemplar_parts", exemplar_parts)
+            options.exemplar_part_count = len(exemplar_parts)
+        self._set_points(constraint_points, softness)
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
@@ -195,6 +207,42 @@ class Call:
         kept = np.array(array, np.uint32)
         self._kept.append(kept)
         return kept.ctypes.data
+
+    def _set_guidance(
+        self,
+        placement: Optional[ArrayLike],
+        refine: bool,
+        candidate: int,
+        scale_range: Optional[Sequence[float]],
+    ) -> None:
+        if placement is not None:
+            matrix = np.array(placement, np.float64)
+            if matrix.shape == (4, 4) and (matrix[3] == (0, 0, 0, 1)).all():
+                matrix = matrix[:3]
+            if matrix.shape != (3, 4):
+                raise ValueError(
+                    f"placement has the shape {np.shape(placement)}, but must be a matrix of (3, 4), "
+                    "or of (4, 4) whose last row is 0, 0, 0, 1"
+                )
+            kept = np.ascontiguousarray(matrix)
+            self._kept.append(kept)
+            self.options.placement = kept.ctypes.data
+        self.options.refine = bool(refine)
+        self.options.candidate = _unsigned("candidate", candidate)
+        if scale_range is not None:
+            # 0 and 0 are the default of the library, and would be ignored.
+            least, greatest = (float(x) or np.nan for x in scale_range)
+            self.options.least_scale, self.options.greatest_scale = least, greatest
+
+    def _set_points(self, points: Optional[ArrayLike], softness: float) -> None:
+        if points is not None:
+            kept = np.array(points, np.float64, order="C")
+            if kept.ndim != 2 or kept.shape[1] != 3:
+                raise ValueError(f"constraint_points have the shape {kept.shape}, but must be (p, 3)")
+            self._kept.append(kept)
+            self.options.constraint_points = kept.ctypes.data
+            self.options.constraint_count = len(kept)
+        self.options.softness = softness
 
     def _set_progress(self, progress: Optional[Progress]) -> None:
         def report(_user: Any, fraction: float, stage: bytes) -> int:

@@ -104,6 +104,13 @@ def complete_points(
     vertex_values: Optional[ArrayLike] = None,
     exemplar_values: Optional[ArrayLike] = None,
     steering_channels: int = 0,
+    placement: Optional[ArrayLike] = None,
+    refine: bool = False,
+    candidate: int = 0,
+    scale_range: Optional[Sequence[float]] = None,
+    exemplar_parts: Optional[Sequence[int]] = None,
+    constraint_points: Optional[ArrayLike] = None,
+    softness: float = 0.0,
     threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> PointResult:

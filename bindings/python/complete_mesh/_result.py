@@ -24,7 +24,7 @@ class Source:
     transform: NDArray[np.float64]
     """(3, 4): takes the place to the hole, ``transform[:, :3] @ point + transform[:, 3]``; a
     rotation, or a rotation and a reflection, in some with a stretch of a few per cent, and a
-    translation."""
+    translation; scaled where that was allowed."""
     mirrored: bool
     """The transform mirrors."""
     error: float
@@ -78,6 +78,8 @@ class Hole:
     """Coherence error of the smooth completion; NaN where it was not measured."""
     coherence_error_after: float
     """Coherence error of the fill; NaN where it was not measured."""
+    candidate_count: int
+    """How many candidates it has, if one was asked for; else 0."""
     seconds: float
     """Wall seconds that its fill took."""
     sources: tuple[Source, ...] = field(repr=False)
@@ -256,6 +258,7 @@ def _hole(lib: Library, handle: c.c_void_p | int, i: int) -> Hole:
         confidence=info.confidence,
         coherence_error_before=info.coherence_error_before,
         coherence_error_after=info.coherence_error_after,
+        candidate_count=info.candidate_count,
         seconds=info.seconds,
         sources=tuple(_source(lib, handle, i, k) for k in range(info.source_count)),
         problem_vertices=lib.list(lib.holes_problem_elements, handle, i, _abi.VERTEX),

@@ -94,6 +94,13 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         "alone decides. Colors and other attributes are copied with the shape either way",
         default=True,
     )
+    candidate: IntProperty(
+        name="Candidate",
+        description="Copy from one place alone: 1 is the best, 2 the second. 0 for all of them together",
+        default=0,
+        min=0,
+        soft_max=9,
+    )
     write_attributes: BoolProperty(
         name="Write Attributes",
         description="Keep in the mesh which faces are new (completed), and for each new vertex the "
@@ -125,6 +132,7 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
             layout.prop_search(self, "source_object", bpy.data, "objects")
         layout.prop(self, "mirror")
         layout.prop(self, "match_colors")
+        layout.prop(self, "candidate")
         column = layout.column(heading="Holes")
         column.prop(self, "max_edges")
         column.prop(self, "keep_largest_open")
@@ -141,6 +149,7 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
             join_loops=self.join_loops,
             skip_unsafe=self.skip_unsafe,
             mirror=self.mirror,
+            candidate=self.candidate,
         )
 
     def _arguments(self, ob, arrays):

@@ -28,6 +28,7 @@ class Options:
     join_loops: bool = True
     skip_unsafe: bool = False
     mirror: bool = True
+    candidate: int = 0
     all_if_untouched: bool = False
     """Whether a selection that touches no hole chooses all."""
     sources: dict = field(default_factory=dict)
@@ -43,6 +44,8 @@ class Options:
         """The library's own names for what the result depends on, beside the choice of holes."""
         arguments = {"method": self.method, "skip_unsafe": self.skip_unsafe}
         arguments |= {"unmirrored": not self.mirror, **self.sources, **self.values}
+        if self.method == "coherent":
+            arguments["candidate"] = self.candidate
         if self.density != 1.0:
             # A density of 2 is twice as many vertices along an edge.
             arguments |= {"sizing": "scaled", "sizing_value": 1.0 / self.density}

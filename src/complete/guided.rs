@@ -1,0 +1,302 @@
+//! Which transforms a hole is looked at with: those that the search finds, as it is guided
+//! ([`crate::Guidance`]): one given by hand, sources of other sizes, one candidate of several.
+
+use super::library::{Library, Sought};
+use crate::error::Result;
+use crate::guidance::{Guidance, Placement};
+use crate::matching::icp::{misfit, RingPoint};
+use crate::matching::rigid::Rigid;
+use crate::matching::ring_pattern::Candidate;
+use crate::matching::search::{find_candidates, thin_ring, Target, POINTS};
+use crate::matching::similarity::{gap, refine, scale_of, scaled, scaling};
+use crate::options::Exemplar;
+use crate::parallel;
+use crate::synthesis::view::{View, HOPELESS};
+use glam::DVec3;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The ratio of one scale that is tried to the next: the alignment finds a scale that is off by half of
+/// it, and rings that are stretched by 5 % still look alike to the search.
+const SCALE_STEP: f64 = 1.1;
+/// Candidates of each scale that are aligned with their scale.
+const TRIED: usize = 8;
+/// Candidates kept of all scales.
+const KEPT: usize = 40;
+/// A misfit and a gap of less than these parts of an edge are an exact copy's: no other scale is tried, and
+/// only such copies are kept. Two samplings of one surface differ by more.
+const EXACT: (f64, f64) = (0.1, 1e-3);
+/// Farthest that a partner may lie, in hole radii, as in the search.
+const REACH: f64 = 0.5;
+/// Two transforms that lay the hole onto places nearer to each other than this, in hole radii (root mean
+/// square), are one candidate: the alignments of one place differ by some hundredths, and ornament repeats
+/// seldom within a fifth of what is lost.
+const SAME: f64 = 0.2;
+/// Points of a fill that are compared, at most about.
+const SEEN: usize = 64;
+
+/// The transforms of each of some windows.
+pub type Transforms = Arc<Vec<Vec<Rigid>>>;
+
+/// What was found so far, so that the next candidate takes no search.
+#[derive(Default)]
+pub struct Kept {
+    scaled: Mutex<Vec<ScaledSearch>>,
+    ranked: Mutex<Vec<Ranking>>,
+}
+
+/// What was looked for, in which range of scales, and what was found.
+type ScaledSearch = (Vec<Sought>, [f64; 2], Transforms);
+/// The same of the candidates of one window.
+type Ranking = (Sought, Option<[f64; 2]>, Arc<Vec<Rigid>>);
+
+/// The scales at which exemplars are as large as the mesh, by their areas: an intact twin's, nearly.
+pub fn guess_scales(area: f64, exemplar: Option<&Exemplar>) -> Vec<f64> {
+    let Some(exemplar) = exemplar else { return Vec::new() };
+    let mut areas = vec![0.0; exemplar.parts.len().max(1)];
+    for face in &exemplar.faces {
+        let [a, b, c] = face.map(|v| DVec3::from(exemplar.vertices[v as usize]));
+        areas[exemplar.part_of(face[0])] += 0.5 * (b - a).cross(c - a).length();
+    }
+    areas.iter().map(|own| (area / own).sqrt()).filter(|s| s.is_finite()).collect()
+}
+
+/// The transforms that some windows of a hole are looked at with; the windows share one radius.
+pub fn transforms(
+    library: &Library,
+    guidance: &Guidance,
+    targets: &[Target<'_>],
+    threads: usize,
+    check: &dyn Fn(f64) -> Result<()>,
+) -> Result<Transforms> {
+    if let Some(placement) = &guidance.placement {
+        check(0.0)?;
+        return Ok(Arc::new(vec![vec![placed(library, placement, targets)]; targets.len()]));
+    }
+    if let Some(range) = guidance.scales.filter(|&range| range != [1.0, 1.0]) {
+        return library
+            .kept
+            .scaled(targets, range, &|| search_scales(library, targets, range, threads, check));
+    }
+    let found = library.candidates(targets, threads, check)?;
+    let transforms = |list: &Vec<Candidate>| list.iter().map(|c| c.transform).collect();
+    Ok(Arc::new(found.iter().map(transforms).collect()))
+}
+
+/// The transform given by hand, improved on the rings of all windows if that is wished for.
+fn placed(library: &Library, placement: &Placement, targets: &[Target<'_>]) -> Rigid {
+    let Placement { transform, refined } = *placement;
+    if !refined {
+        return transform;
+    }
+    let all: Vec<RingPoint> = targets.iter().flat_map(|t| t.ring.iter().copied()).collect();
+    let ring = thin_ring(&all, POINTS[1] * targets.len(), &library.known.axes);
+    let radius = targets.iter().map(|t| t.radius).fold(0.0, f64::max);
+    // What is of another size is seldom so exactly.
+    let with_scale = (scale_of(&transform) - 1.0).abs() > 1e-6;
+    refine(library.source(), &ring, &transform, with_scale, REACH * radius)
+}
+
+/// Scales to try: where the exemplars are as large as the mesh, then none, then the whole range.
+fn hypotheses(guesses: &[f64], [least, most]: [f64; 2]) -> Vec<f64> {
+    let inside = |s: &f64| (least..=most).contains(s);
+    let mut all: Vec<f64> = guesses.iter().copied().filter(inside).collect();
+    all.extend(Some(1.0).filter(inside));
+    let steps = ((most / least).ln() / SCALE_STEP.ln()).ceil().max(1.0);
+    let last = if most > least { steps as usize } else { 0 };
+    all.extend((0..=last).map(|i| least * (most / least).powf(i as f64 / steps)));
+    all
+}
+
+/// The best places at any scale of a range, best first: at each scale the search, then the alignment that
+/// scales, too.
+fn search_scales(
+    library: &Library,
+    targets: &[Target<'_>],
+    range: [f64; 2],
+    threads: usize,
+    check: &dyn Fn(f64) -> Result<()>,
+) -> Result<Transforms> {
+    let (source, known) = (library.source(), &library.known);
+    let rings: Vec<Vec<RingPoint>> =
+        targets.iter().map(|t| thin_ring(t.ring, POINTS[1], &known.axes)).collect();
+    let mut all: Vec<Vec<Candidate>> = vec![Vec::new(); targets.len()];
+    let tried = hypotheses(&library.guesses, range);
+    for (i, &scale) in tried.iter().enumerate() {
+        let part = |part: f64| check((i as f64 + part) / tried.len() as f64);
+        let source = scaled(source, scale, &|| part(0.0))?;
+        let radius = targets.first().map_or(0.0, |t| t.radius);
+        let maps = library.maps_of(&source, radius, &|| part(0.1))?;
+        let late = |p: f64| part(0.1 + 0.8 * p);
+        let found = find_candidates(known, &source, &maps, targets, threads, &late)?;
+        for (w, mut list) in found.into_iter().enumerate() {
+            list.truncate(TRIED);
+            let align = |k: usize| {
+                let Candidate { transform, bland, cost } = list[k];
+                let aligned = refine(&source, &rings[w], &transform, true, REACH * radius);
+                let whole = aligned.after(&scaling(scale));
+                match (range[0]..=range[1]).contains(&scale_of(&whole)) {
+                    true => {
+                        let cost = bland * misfit(&source, &rings[w], &aligned, radius);
+                        Candidate { transform: whole, bland, cost }
+                    }
+                    false => Candidate { transform: transform.after(&scaling(scale)), bland, cost },
+                }
+            };
+            all[w].extend(parallel::map(list.len(), threads, &|| part(0.9), &align)?);
+        }
+        let is_exact = |c: &Candidate, w: usize| {
+            c.cost < EXACT.0 * known.edge
+                && gap(library.source(), &rings[w], &c.transform, radius) < EXACT.1 * known.edge
+        };
+        let exact: Vec<Vec<Candidate>> = (all.iter().enumerate())
+            .map(|(w, list)| list.iter().filter(|c| is_exact(c, w)).copied().collect())
+            .collect();
+        if exact.iter().all(|list| !list.is_empty()) {
+            all = exact;
+            break;
+        }
+    }
+    let best = |(mut list, target): (Vec<Candidate>, &Target<'_>)| {
+        list.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let transforms = list.iter().map(|c| c.transform);
+        distinct(transforms, target.fill, 0.25 * SAME * target.radius, KEPT)
+    };
+    Ok(Arc::new(all.into_iter().zip(targets).map(best).collect()))
+}
+
+/// The transforms that lay some points onto places farther than `apart` from those of all before, at most
+/// `most` of them.
+fn distinct(
+    transforms: impl Iterator<Item = Rigid>,
+    points: &[DVec3],
+    apart: f64,
+    most: usize,
+) -> Vec<Rigid> {
+    let step = points.len().div_ceil(SEEN).max(1);
+    let places = |t: &Rigid| -> Vec<DVec3> {
+        let back = t.inverse();
+        points.iter().step_by(step).map(|&p| back.point(p)).collect()
+    };
+    let mut kept: Vec<(Rigid, Vec<DVec3>)> = Vec::new();
+    for transform in transforms {
+        if kept.len() == most {
+            break;
+        }
+        // Lengths on the source, in units of the target.
+        let (own, scale) = (places(&transform), scale_of(&transform));
+        let near = |other: &(Rigid, Vec<DVec3>)| {
+            let square: f64 = own.iter().zip(&other.1).map(|(a, b)| a.distance_squared(*b)).sum();
+            scale * (square / own.len().max(1) as f64).sqrt() < apart
+        };
+        if !kept.iter().any(near) {
+            kept.push((transform, own));
+        }
+    }
+    kept.into_iter().map(|k| k.0).collect()
+}
+
+/// The candidates of a window: what was found for it, best first by the fit, each place once, without
+/// those that predict known surface worse than a smooth one does (they may have its colours).
+pub fn rank(
+    library: &Library,
+    guidance: &Guidance,
+    target: &Target<'_>,
+    look: &dyn Fn() -> Result<Option<RankedView>>,
+) -> Result<Arc<Vec<Rigid>>> {
+    library.kept.ranked(target, guidance.scales, &|| {
+        let Some(RankedView { copies }) = look()? else { return Ok(Arc::default()) };
+        let transforms = copies.into_iter();
+        Ok(Arc::new(distinct(transforms, target.fill, SAME * target.radius, usize::MAX)))
+    })
+}
+
+/// What a view says of its copies: their transforms, the best first.
+pub struct RankedView {
+    copies: Vec<Rigid>,
+}
+
+impl RankedView {
+    /// Of a view of all.
+    pub fn of(view: &View<'_>) -> Self {
+        let mut order: Vec<usize> = (0..view.copies.len()).collect();
+        order.sort_by(|&a, &b| view.shares[b].total_cmp(&view.shares[a]).then(a.cmp(&b)));
+        let painted = view.window.domain.paint.is_some();
+        let worst = HOPELESS * view.fitted.plate_error;
+        order.retain(|&k| painted || view.fitted.error[k] <= worst);
+        Self { copies: order.iter().map(|&k| view.copies[k].transform).collect() }
+    }
+}
+
+impl Kept {
+    fn scaled(
+        &self,
+        targets: &[Target<'_>],
+        range: [f64; 2],
+        make: &dyn Fn() -> Result<Transforms>,
+    ) -> Result<Transforms> {
+        let lock = || self.scaled.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |k: &&ScaledSearch| {
+            k.1 == range
+                && k.0.len() == targets.len()
+                && k.0.iter().zip(targets).all(|(s, t)| s.is(t))
+        };
+        if let Some((_, _, found)) = lock().iter().find(same) {
+            return Ok(found.clone());
+        }
+        let made = make()?;
+        lock().push((targets.iter().map(Sought::of).collect(), range, made.clone()));
+        Ok(made)
+    }
+
+    fn ranked(
+        &self,
+        target: &Target<'_>,
+        scales: Option<[f64; 2]>,
+        make: &dyn Fn() -> Result<Arc<Vec<Rigid>>>,
+    ) -> Result<Arc<Vec<Rigid>>> {
+        let lock = || self.ranked.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, _, found)) = lock().iter().find(|k| k.1 == scales && k.0.is(target)) {
+            return Ok(found.clone());
+        }
+        let made = make()?;
+        lock().push((Sought::of(target), scales, made.clone()));
+        Ok(made)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DMat3;
+
+    #[test]
+    fn scales_cover_their_range() {
+        for (range, count) in [([1.0, 1.0], 2), ([0.5, 0.5], 1), ([0.1, 10.0], 52), ([0.9, 1.0], 4)]
+        {
+            let all = hypotheses(&[2.0, 20.0], range);
+            assert_eq!(all.len(), count, "{all:?}");
+            assert!(all.iter().all(|s| (range[0]..=range[1] * (1.0 + 1e-12)).contains(s)));
+            let mut sorted = all;
+            sorted.sort_by(f64::total_cmp);
+            assert!(sorted.windows(2).all(|w| w[1] < 1.1001 * w[0]));
+        }
+        assert_eq!(hypotheses(&[2.0], [0.1, 10.0])[..2], [2.0, 1.0]);
+    }
+
+    /// A turn about the patch's own middle is another place for what is off the middle, a small shift is
+    /// not; the first of two stays.
+    #[test]
+    fn places_that_are_the_same_count_once() {
+        let points: Vec<DVec3> =
+            (0..50).map(|i| DVec3::new((i % 7) as f64 - 3.0, (i / 7) as f64 - 3.0, 0.0)).collect();
+        let turn = |angle: f64| Rigid {
+            linear: DMat3::from_axis_angle(DVec3::Z, angle),
+            translation: DVec3::ZERO,
+        };
+        let shift = |by: f64| Rigid { translation: by * DVec3::X, ..Rigid::IDENTITY };
+        let all = [turn(0.0), shift(0.3), turn(0.05), turn(1.6), shift(2.0), scaling(2.0)];
+        let kept = distinct(all.into_iter(), &points, 0.5, 9);
+        assert_eq!(kept, [turn(0.0), turn(1.6), shift(2.0), scaling(2.0)]);
+        assert_eq!(distinct(all.into_iter(), &points, 0.5, 2), [turn(0.0), turn(1.6)]);
+    }
+}
