@@ -17,6 +17,9 @@ pub enum Method {
     /// Coherent completion as Harary, Tal and Grinspun (2014) describe it, step by step, to compare
     /// with. Slower than [`Method::Coherent`]; see `docs/harary.md`.
     Harary,
+    /// Fragment-based inpainting (Bendels, Schnabel, Klein 2005): copies of fragments of the object,
+    /// scale by scale. See `docs/fragment.md`.
+    Fragment,
 }
 
 impl Method {
@@ -26,6 +29,7 @@ impl Method {
             Method::Smooth => "smooth",
             Method::Coherent => "coherent",
             Method::Harary => "harary",
+            Method::Fragment => "fragment",
         }
     }
 }
@@ -272,7 +276,8 @@ pub struct Options {
     /// What holes are filled with to start from; `None`: a smooth completion is made. A hole that it
     /// does not fill, as the contract asks, fails. With `Method::Smooth` it is the result.
     pub initial: Option<Arc<Initial>>,
-    /// What may be copied from. Only `Method::Coherent` can be told.
+    /// What may be copied from. Only `Method::Coherent` can be told; `Method::Fragment` heeds
+    /// `unmirrored`.
     pub sources: Sources,
     /// What the vertices carry; its first channels help `Method::Coherent` to find the sources.
     pub appearance: Option<Arc<Appearance>>,
@@ -298,6 +303,10 @@ impl Options {
         }
         if self.method == Method::Harary && self.sources.are_chosen() {
             return bad("sources", "the method harary copies from the whole mesh".into());
+        }
+        let Sources { faces, exemplar, .. } = &self.sources;
+        if self.method == Method::Fragment && (faces.is_some() || exemplar.is_some()) {
+            return bad("sources", "the method fragment copies from the whole mesh".into());
         }
         match &self.selection {
             Selection::MaxCircumference(l) | Selection::MaxDiameter(l)

@@ -9,6 +9,8 @@ pub mod domain;
 pub mod factor;
 pub mod field;
 pub mod fit;
+pub mod fragments;
+pub mod hierarchy;
 pub mod join;
 pub mod labels;
 pub mod levels;
