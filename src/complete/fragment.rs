@@ -11,11 +11,14 @@ use super::smooth::Story;
 use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::matching::fragment::Turned;
+use crate::matching::source::Source;
 use crate::mesh::MeshView;
 use crate::progress::Monitor;
 use crate::result::{Origin, SourceReport, NONE};
-use crate::synthesis::fragments::{Candidates, Filled, Filling};
-use crate::synthesis::hierarchy::{radius_in_edges, scales, Scale, MOST};
+use crate::synthesis::domain::depth;
+use crate::synthesis::fragments::{Candidates, Filled, Filling, Pasted};
+use crate::synthesis::hierarchy::{radius_in_edges, scales, MOST};
+use crate::synthesis::sampling::take_points;
 use glam::DVec3;
 
 /// Radius of a fragment of the coarsest scale, in greatest distances from the rim: from one side of a
@@ -31,17 +34,28 @@ pub struct Completed {
     pub patches: Vec<(Patch, Story)>,
 }
 
-/// Completes the holes of a mesh from their smooth completions. `rims`: all its boundary vertices.
-/// `progress` is called with the fraction done.
+/// What all holes share.
+pub struct Asked<'a> {
+    /// All boundary vertices of the mesh.
+    pub rims: &'a [u32],
+    /// Whether its vertices are a cloud's points: the copies' own are then put in.
+    pub of_points: bool,
+    /// Whether mirrored copies may be made.
+    pub mirrored: bool,
+    /// Threads to use.
+    pub threads: usize,
+}
+
+/// Completes the holes of a mesh from their smooth completions. `progress` is called with the fraction
+/// done.
 pub fn complete_holes(
     mesh: MeshView<'_>,
-    rims: &[u32],
     initial: &[Initial<'_>],
-    mirrored: bool,
-    threads: usize,
+    asked: &Asked<'_>,
     monitor: &Monitor,
     progress: &dyn Fn(f64),
 ) -> Result<Vec<Completed>> {
+    let &Asked { rims, of_points, mirrored, threads } = asked;
     let (parts, origins) = completed_mesh(mesh, initial);
     let mut open = vec![false; parts.positions.len()];
     rims.iter().for_each(|&v| open[v as usize] = true);
@@ -77,9 +91,19 @@ pub fn complete_holes(
         }
         progress(0.2 + 0.8 * (most - scale + 1) as f64 / (most + 1) as f64);
     }
+    let source = &all[0].source;
     let told = |(filled, init): (Vec<Filled>, &Initial<'_>)| {
-        let finest = filled.into_iter().rev().take(2);
-        let patches = finest.map(|f| lay(init.patch, f, &all[0])).collect();
+        let mut patches = Vec::new();
+        for Filled { positions, copies, pasted } in filled.into_iter().rev().take(2) {
+            let mut patch = init.patch.clone();
+            let rim = patch.rim_count;
+            patch.positions[rim..].copy_from_slice(&positions[rim..]);
+            if of_points && patches.is_empty() {
+                let taken = take_points(&patch, &copies, &pasted, source, init.taken);
+                patches.extend(taken.map(|(patch, copies)| tell(patch, &copies, &pasted, source)));
+            }
+            patches.push(tell(patch, &copies, &pasted, source));
+        }
         Completed { patches }
     };
     Ok(results.into_iter().zip(initial).map(told).collect())
@@ -87,7 +111,7 @@ pub fn complete_holes(
 
 /// The scale at which a fragment reaches across a hole.
 fn coarsest(patch: &Patch, edge: f64) -> usize {
-    let depth = crate::synthesis::domain::depth(patch);
+    let depth = depth(patch);
     (0..MOST - 1)
         .find(|&s| radius_in_edges(s) * std::f64::consts::SQRT_2 * edge > ACROSS * depth)
         .unwrap_or(MOST - 1)
@@ -99,12 +123,14 @@ fn mean_edge(positions: &[DVec3], faces: &[[u32; 3]]) -> f64 {
     faces.iter().map(around).sum::<f64>() / (3 * faces.len().max(1)) as f64
 }
 
-/// The patch laid where its fragments are, and where each vertex comes from.
-fn lay(initial: &Patch, filled: Filled, finest: &Scale) -> (Patch, Story) {
-    let Filled { positions, copies, pasted } = filled;
-    let (source, rim) = (&finest.source, initial.rim_count);
-    let mut patch = initial.clone();
-    patch.positions[rim..].copy_from_slice(&positions[rim..]);
+/// A patch with where each vertex comes from.
+fn tell(
+    patch: Patch,
+    copies: &[Option<u32>],
+    pasted: &[Pasted],
+    source: &Source,
+) -> (Patch, Story) {
+    let (rim, positions) = (patch.rim_count, &patch.positions);
     let mut used = vec![0usize; pasted.len()];
     copies[rim..].iter().flatten().for_each(|&c| used[c as usize] += 1);
     let mut order: Vec<usize> = (0..pasted.len()).filter(|&c| used[c] > 0).collect();

@@ -65,6 +65,8 @@ pub fn complete_mesh_with(
 pub struct Completer<'a> {
     mesh: MeshView<'a>,
     holes: HoleList,
+    /// Whether the vertices are a cloud's points.
+    of_points: bool,
     /// Made when a coherent completion first asks for it.
     library: Mutex<Option<(Key, Arc<Library>)>>,
     /// The last result and what was asked for: a host that redoes need not wait.
@@ -88,10 +90,16 @@ impl<'a> Completer<'a> {
         Ok(Self {
             mesh,
             holes,
+            of_points: false,
             library: Mutex::default(),
             last: Mutex::default(),
             spent: (clock.elapsed(), cpu.elapsed()),
         })
+    }
+
+    /// The same of a mesh laid through a cloud's points.
+    pub(crate) fn of_points(self) -> Self {
+        Self { of_points: true, ..self }
     }
 
     /// What coherent completions copy from, kept until other sources are asked for.
@@ -314,9 +322,14 @@ impl<'a> Completer<'a> {
         let initial = initial_of(around, &fills);
         let rims: Vec<u32> =
             self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect();
-        let (mirrored, threads) = (!options.sources.unmirrored, thread_count(options.threads));
+        let asked = fragment::Asked {
+            rims: &rims,
+            of_points: self.of_points,
+            mirrored: !options.sources.unmirrored,
+            threads: thread_count(options.threads),
+        };
         let made = workers::beside(monitor, "copying fragments", &|inner, done| {
-            fragment::complete_holes(self.mesh, &rims, &initial, mirrored, threads, inner, done)
+            fragment::complete_holes(self.mesh, &initial, &asked, inner, done)
         })?;
         let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &[] };
         for (fill, completed) in fills.iter_mut().zip(made) {

@@ -98,7 +98,7 @@ pub fn complete_points_with(
     let vertices = Vertices::new(points, &scaffold.ids);
     let mesh = MeshView { vertices: vertices.view(), faces: (&scaffold.faces[..]).into() };
     let grouping = scaffold.local_grouping(mesh, &options.grouping, monitor)?;
-    let completer = Completer::new(mesh, &grouping, monitor)?;
+    let completer = Completer::new(mesh, &grouping, monitor)?.of_points();
     let (found, numbers) = scaffold.holes(completer.holes());
     let wanted = wanted(points, &found, &options.selection)?;
     let ids: Vec<usize> = (0..numbers.len()).filter(|&h| wanted[h]).map(|h| numbers[h]).collect();

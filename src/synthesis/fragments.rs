@@ -10,6 +10,7 @@
 //! - A source smoother than what it shall continue is worse for it, as in the coherent method.
 
 use super::hierarchy::Scale;
+use super::join::matrix;
 use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::intersect::Bvh;
@@ -36,6 +37,8 @@ const BATCH: usize = 64;
 const APART: f64 = 0.6;
 /// Least cosine between a line and the normal of a face that it meets.
 const FACING: f64 = 0.1;
+/// Length over which copies that do not quite meet are bent, in radii.
+const SEAM: f64 = 0.5;
 /// Bins of the mean confidence when the next fragment is chosen (Sec. 4.3).
 const BINS: f64 = 10.0;
 
@@ -131,8 +134,6 @@ pub struct Filling<'a> {
     scales: [&'a Scale; 2],
     candidates: &'a Candidates<'a>,
     patch: &'a Patch,
-    /// The vertex of the object that each vertex of the patch is.
-    origin: &'a [u32],
     /// The fill at the coarser scale, and a tree over it.
     guidance: Vec<DVec3>,
     guidance_tree: Bvh,
@@ -159,12 +160,13 @@ pub struct Filled {
 }
 
 impl<'a> Filling<'a> {
-    /// `guidance`: the patch at the coarser scale.
+    /// `origin`: the vertex of the object that each vertex of the patch is; `guidance`: the patch at the
+    /// coarser scale.
     pub fn new(
         scales: [&'a Scale; 2],
         candidates: &'a Candidates<'a>,
         patch: &'a Patch,
-        origin: &'a [u32],
+        origin: &[u32],
         guidance: Vec<DVec3>,
         threads: usize,
     ) -> Self {
@@ -197,7 +199,6 @@ impl<'a> Filling<'a> {
             scales,
             candidates,
             patch,
-            origin,
             guidance,
             guidance_tree,
             normals,
@@ -260,9 +261,61 @@ impl<'a> Filling<'a> {
             targets.retain(|&v, _| holds(v));
             stale = open.into_iter().filter(|v| !targets.contains_key(v)).collect();
         }
-        let Self { filled, guidance, copies, pasted, .. } = self;
-        let positions = filled.iter().zip(guidance).map(|(p, g)| p.unwrap_or(g)).collect();
-        Ok(Filled { positions, copies, pasted })
+        let positions = self.joined();
+        Ok(Filled { positions, copies: self.copies, pasted: self.pasted })
+    }
+
+    /// The fill, its seams closed: differences between neighbours are those of the copy at each vertex,
+    /// as in [`super::join`].
+    fn joined(&self) -> Vec<DVec3> {
+        let all = self.filled.iter().zip(&self.guidance);
+        let mut positions: Vec<DVec3> = all.map(|(p, g)| p.unwrap_or(*g)).collect();
+        let (rim, n) = (self.patch.rim_count, positions.len());
+        let edge = self.candidates.fine.edge;
+        let ratio = (edge / (SEAM * self.candidates.radius)).powi(2) / 4.0;
+        let beside = |i: usize| self.beside[i].iter().map(|&w| w as usize).collect();
+        let mut columns = vec![vec![0.0; n - rim]; 3];
+        for i in rim..n {
+            let around = &self.beside[i];
+            let degree = around.len() as f64;
+            let p = positions[i];
+            let of_copy = |w: usize| self.copies[i].and_then(|c| self.copied(c, w));
+            let own = of_copy(i);
+            // Edges of the copy where it has both ends, else those that are there.
+            let edge_to = |w: usize| match (own, of_copy(w)) {
+                (Some(a), Some(b)) => a - b,
+                _ => p - positions[w],
+            };
+            let wanted: DVec3 = around.iter().map(|&w| edge_to(w as usize)).sum();
+            let rims = around.iter().filter(|&&w| (w as usize) < rim);
+            let known: DVec3 = rims.map(|&w| positions[w as usize]).sum();
+            let rhs = (wanted + known) / degree;
+            let hold = degree * ratio * ratio;
+            for d in 0..3 {
+                columns[d][i - rim] += degree * rhs[d] + hold * p[d];
+                for &w in around.iter().filter(|&&w| w as usize >= rim) {
+                    columns[d][w as usize - rim] -= rhs[d];
+                }
+            }
+        }
+        let factor = matrix(rim..n, ratio, &beside).factor(1.0, &vec![0.0; n - rim]);
+        if let Some(factor) = factor {
+            factor.solve(&mut columns);
+            for i in rim..n {
+                positions[i] = DVec3::from([0, 1, 2].map(|d| columns[d][i - rim]));
+            }
+        }
+        positions
+    }
+
+    /// Where a copy lies at a vertex.
+    fn copied(&self, copy: u32, v: usize) -> Option<DVec3> {
+        let inverse = self.pasted[copy as usize].transform.inverse();
+        let (p, n) = (self.guidance[v], self.normals[v]);
+        let reach = APART * self.candidates.radius;
+        let tree = &self.candidates.fine.tree;
+        let (_, h) = meet(tree, inverse.point(p), inverse.direction(n), reach)?;
+        Some(p + h * n)
     }
 
     /// Filled vertices beside empty ones, ascending.

@@ -18,6 +18,7 @@ pub mod project;
 pub mod rank;
 pub mod repair;
 pub mod resemblance;
+pub mod sampling;
 #[cfg(test)]
 mod tests;
 pub mod view;
