@@ -407,11 +407,9 @@ mod tests {
 
     #[test]
     fn methods_of_other_versions_are_refused_by_name() {
-        for name in ["warp", "fragment"] {
-            let failure = fill(&format!("--method {name}")).unwrap().options().unwrap_err();
-            assert_eq!(failure.code(), 4);
-            assert!(failure.to_string().contains(name), "{failure}");
-        }
+        let failure = fill("--method warp").unwrap().options().unwrap_err();
+        assert_eq!(failure.code(), 4);
+        assert!(failure.to_string().contains("warp"), "{failure}");
     }
 
     #[test]

@@ -17,9 +17,9 @@ use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
 use crate::options::{Appearance, Fairing, Grouping, Method, Options, Sources};
+use crate::parallel::thread_count;
 #[cfg(feature = "capi")]
 pub(crate) use crate::parallel::WORKER;
-use crate::parallel::thread_count;
 use crate::progress::Monitor;
 use crate::result::{Completion, HoleReport, HoleStatus, Origin};
 use check::{Obstacles, Rounding};
@@ -479,10 +479,7 @@ fn filled(outcomes: &mut [Outcome]) -> Vec<&mut Fill> {
 }
 
 /// The same as what to start from.
-fn initial_of<'f>(
-    around: &Surroundings<'_>,
-    fills: &'f [&mut Fill],
-) -> Vec<harary::Initial<'f>> {
+fn initial_of<'f>(around: &Surroundings<'_>, fills: &'f [&mut Fill]) -> Vec<harary::Initial<'f>> {
     let input = |&v: &u32| around.near.vertices[v as usize];
     let one = |fill: &'f &mut Fill| harary::Initial {
         rim: fill.outline.vertices.iter().map(input).collect(),

@@ -236,10 +236,8 @@ pub fn spread(known: impl Fn(usize) -> Option<f64>) -> Spread {
 fn beside(i: usize) -> Vec<usize> {
     let k = ring_of(i);
     let (own, j) = (ring(k), i - ring(k).start);
-    let mut all = vec![
-        own.start + (j + 1) % own.len(),
-        own.start + (j + own.len() - 1) % own.len(),
-    ];
+    let mut all =
+        vec![own.start + (j + 1) % own.len(), own.start + (j + own.len() - 1) % own.len()];
     for other in [k.wrapping_sub(1), k + 1] {
         if (1..=RINGS).contains(&other) {
             let other = ring(other);

@@ -9,6 +9,7 @@ mod clean;
 mod holes;
 mod neighbours;
 mod normals;
+mod spanning;
 mod surface;
 mod tidy;
 

@@ -226,13 +226,18 @@ impl<'a> Filling<'a> {
     }
 
     /// Fills the hole. `before`: the copies of the coarser scale.
-    pub fn run(mut self, before: Option<&Filled>, check: &dyn Fn() -> Result<()>) -> Result<Filled> {
+    pub fn run(
+        mut self,
+        before: Option<&Filled>,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Filled> {
         let radius = self.candidates.radius;
         let mut targets: BTreeMap<u32, Target> = BTreeMap::new();
         let mut stale: Vec<u32> = self.frontier().collect();
         loop {
             check()?;
-            let fresh = parallel::map(stale.len(), self.threads, check, &|i| self.target(stale[i]))?;
+            let fresh =
+                parallel::map(stale.len(), self.threads, check, &|i| self.target(stale[i]))?;
             targets.extend(stale.iter().copied().zip(fresh));
             // The greatest bin, then the greatest deviation, then the first.
             let best = targets.iter().max_by(|(a, x), (b, y)| {
@@ -411,7 +416,8 @@ impl<'a> Filling<'a> {
         starts.extend(self.neighbours(v, before).into_iter().map(|t| (t, self.bland(target, &t))));
         let judged = |i: usize| {
             let (start, bland) = starts[i];
-            let steps = align(fine, &target.ring, start, Partner::Surface, STEPS, 0.3 * radius, KEEP);
+            let steps =
+                align(fine, &target.ring, start, Partner::Surface, STEPS, 0.3 * radius, KEEP);
             [start, steps].map(|t| Some((bland * self.judge(own, &t)?, t)))
         };
         let judged = parallel::map(starts.len(), self.threads, check, &judged)?;

@@ -171,8 +171,12 @@ mod tests {
     #[test]
     fn a_copy_goes_on_where_points_end() {
         let source = hilly_source(40);
-        let fixed: Vec<DVec3> =
-            source.positions.iter().copied().filter(|p| p.length() > 0.3 && p.length() < 0.8).collect();
+        let fixed: Vec<DVec3> = source
+            .positions
+            .iter()
+            .copied()
+            .filter(|p| p.length() > 0.3 && p.length() < 0.8)
+            .collect();
         let aside = Rigid { translation: 0.3 * source.edge * DVec3::X, ..Rigid::IDENTITY };
         let laid = lay(aside, &fixed, &source, source.edge);
         assert!(laid.translation.length() < 1e-6 * source.edge, "{:?}", laid);
@@ -198,9 +202,8 @@ mod tests {
             .collect();
         let (count, centre) = (rim.len(), corner(0.0, 0.0));
         let positions = [rim, vec![centre]].concat();
-        let triangles = (0..count as u32)
-            .map(|i| [i, (i + 1) % count as u32, count as u32])
-            .collect();
+        let triangles =
+            (0..count as u32).map(|i| [i, (i + 1) % count as u32, count as u32]).collect();
         let sizes = vec![source.edge; positions.len()];
         let mut patch = Patch::of_triangles(positions, sizes, count, triangles);
         let never = || Ok(());
