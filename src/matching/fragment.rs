@@ -253,7 +253,7 @@ impl Spread {
     pub fn at(&self, p: DVec2) -> f64 {
         let r = (p.length() * RINGS as f64).clamp(1.0, RINGS as f64);
         let turn = p.y.atan2(p.x).rem_euclid(TAU) / TAU;
-        let k = (r.floor() as usize).min(RINGS - 1).max(1);
+        let k = (r.floor() as usize).clamp(1, RINGS - 1);
         let on = |k: usize| {
             let places = ring(k);
             let at = turn * places.len() as f64;
