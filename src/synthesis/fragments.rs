@@ -39,6 +39,10 @@ const APART: f64 = 0.6;
 const FACING: f64 = 0.1;
 /// Length over which copies that do not quite meet are bent, in radii.
 const SEAM: f64 = 0.5;
+/// An edge of a copy that is so many times as long as the coarser fill's jumps to another sheet.
+const JUMP: f64 = 4.0;
+/// How far closing the seams may move a vertex, in radii.
+const MOVED: f64 = 0.25;
 /// Bins of the mean confidence when the next fragment is chosen (Sec. 4.3).
 const BINS: f64 = 10.0;
 
@@ -288,7 +292,11 @@ impl<'a> Filling<'a> {
             let own = of_copy(i);
             // Edges of the copy where it has both ends, else those that are there.
             let edge_to = |w: usize| match (own, of_copy(w)) {
-                (Some(a), Some(b)) => a - b,
+                (Some(a), Some(b))
+                    if a.distance(b) < JUMP * self.guidance[i].distance(self.guidance[w]) =>
+                {
+                    a - b
+                }
                 _ => p - positions[w],
             };
             let wanted: DVec3 = around.iter().map(|&w| edge_to(w as usize)).sum();
@@ -306,8 +314,11 @@ impl<'a> Filling<'a> {
         let factor = matrix(rim..n, ratio, &beside).factor(1.0, &vec![0.0; n - rim]);
         if let Some(factor) = factor {
             factor.solve(&mut columns);
-            for i in rim..n {
-                positions[i] = DVec3::from([0, 1, 2].map(|d| columns[d][i - rim]));
+            let solved = |i: usize| DVec3::from([0, 1, 2].map(|d| columns[d][i - rim]));
+            // Seams are small; what moves far was never one surface.
+            let most = MOVED * self.candidates.radius;
+            if (rim..n).all(|i| solved(i).distance(positions[i]) < most) {
+                (rim..n).for_each(|i| positions[i] = solved(i));
             }
         }
         positions
