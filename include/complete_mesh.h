@@ -91,6 +91,9 @@ typedef enum complete_mesh_method {
   COMPLETE_MESH_METHOD_COHERENT = 1,
   // Coherent completion as Harary, Tal and Grinspun (2014) describe it, to compare with; slow.
   COMPLETE_MESH_METHOD_HARARY = 2,
+  // Fragment-based inpainting (Bendels, Schnabel, Klein 2005): copies of fragments of the object, scale
+  // by scale.
+  COMPLETE_MESH_METHOD_FRAGMENT = 3,
 } complete_mesh_method;
 
 // The smooth surface that a hole is filled with, or that its coherent fill starts from.

@@ -18,6 +18,9 @@ pub enum Method {
     /// Coherent completion as Harary, Tal and Grinspun (2014) describe it, step by step, to compare
     /// with. Slower than [`Method::Coherent`]; see `docs/harary.md`.
     Harary,
+    /// Fragment-based inpainting (Bendels, Schnabel, Klein 2005): copies of fragments of the object,
+    /// scale by scale. See `docs/fragment.md`.
+    Fragment,
 }
 
 impl Method {
@@ -27,6 +30,7 @@ impl Method {
             Method::Smooth => "smooth",
             Method::Coherent => "coherent",
             Method::Harary => "harary",
+            Method::Fragment => "fragment",
         }
     }
 }
@@ -323,7 +327,8 @@ pub struct Options {
     /// What holes are filled with to start from; `None`: a smooth completion is made. A hole that it
     /// does not fill, as the contract asks, fails. With `Method::Smooth` it is the result.
     pub initial: Option<Arc<Initial>>,
-    /// What may be copied from. Only `Method::Coherent` can be told.
+    /// What may be copied from. Only `Method::Coherent` can be told; `Method::Fragment` heeds
+    /// `unmirrored`.
     pub sources: Sources,
     /// Where to copy from, given by hand. Only `Method::Coherent` can be told.
     pub guidance: Guidance,
@@ -368,6 +373,10 @@ impl Options {
             return bad("sources", "the method harary copies from the whole mesh".into());
         }
         self.guidance.check(self.method)?;
+        let Sources { faces, exemplar, .. } = &self.sources;
+        if self.method == Method::Fragment && (faces.is_some() || exemplar.is_some()) {
+            return bad("sources", "the method fragment copies from the whole mesh".into());
+        }
         match &self.selection {
             Selection::MaxCircumference(l) | Selection::MaxDiameter(l)
                 if l.is_nan() || *l <= 0.0 =>

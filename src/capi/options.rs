@@ -29,6 +29,9 @@ pub enum CMethod {
     Coherent = 1,
     /// Coherent completion as Harary, Tal and Grinspun (2014) describe it, to compare with; slow.
     Harary = 2,
+    /// Fragment-based inpainting (Bendels, Schnabel, Klein 2005): copies of fragments of the object, scale
+    /// by scale.
+    Fragment = 3,
 }
 
 /// The smooth surface that a hole is filled with, or that its coherent fill starts from.
@@ -400,6 +403,7 @@ impl COptions {
                 0 => Method::Smooth,
                 1 => Method::Coherent,
                 2 => Method::Harary,
+                3 => Method::Fragment,
                 other => return Err(unknown("method", other, "complete_mesh_method")),
             },
             fairing: *Fairing::ALL

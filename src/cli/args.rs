@@ -59,7 +59,7 @@ pub(super) struct FillArgs {
     /// Mesh file to write; its name's ending says the format. May be IN itself
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// How a fill is made; this version has coherent, smooth and harary
+    /// How a fill is made; this version has coherent, smooth, harary and fragment
     #[arg(long, value_enum, default_value = "coherent")]
     pub method: MethodName,
     /// The smooth surface, which a coherent fill starts from
@@ -205,7 +205,8 @@ impl FillArgs {
             MethodName::Smooth => Method::Smooth,
             MethodName::Coherent => Method::Coherent,
             MethodName::Harary => Method::Harary,
-            MethodName::Warp | MethodName::Fragment => {
+            MethodName::Fragment => Method::Fragment,
+            MethodName::Warp => {
                 let name = self.method.to_possible_value().map(|v| v.get_name().to_owned());
                 let what = format!("method \"{}\"", name.unwrap_or_default());
                 return Err(Error::Unsupported { what }.into());
@@ -410,11 +411,9 @@ mod tests {
 
     #[test]
     fn methods_of_other_versions_are_refused_by_name() {
-        for name in ["warp", "fragment"] {
-            let failure = fill(&format!("--method {name}")).unwrap().options().unwrap_err();
-            assert_eq!(failure.code(), 4);
-            assert!(failure.to_string().contains(name), "{failure}");
-        }
+        let failure = fill("--method warp").unwrap().options().unwrap_err();
+        assert_eq!(failure.code(), 4);
+        assert!(failure.to_string().contains("warp"), "{failure}");
     }
 
     #[test]

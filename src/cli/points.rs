@@ -32,6 +32,7 @@ struct Hole {
     border: bool,
     missing_points: f64,
     boundary_probability: f64,
+    agreed: bool,
 }
 
 /// The table of a cloud's holes.
@@ -60,11 +61,16 @@ pub(super) fn holes(
         console.say("no holes");
     } else {
         console.say(&table(&found));
+        if found.agreed.contains(&false) {
+            console.say("? only the mesh through the points has this hole, the likely boundary points close no loop");
+        }
     }
     for (i, hole) in found.list.holes.iter().enumerate() {
         let (border, missing_points) = (found.borders[i], found.missing_in[i]);
         let (measured, boundary_probability) = (Measured::of(hole), found.probability[i]);
-        console.event("hole", &Hole { measured, border, missing_points, boundary_probability });
+        let agreed = found.agreed[i];
+        let hole = Hole { measured, border, missing_points, boundary_probability, agreed };
+        console.event("hole", &hole);
     }
     let warnings = point_warnings(&found);
     tell_warnings(&warnings, console);
@@ -90,7 +96,11 @@ fn table(found: &PointHoles) -> String {
         let border = found.borders[i];
         [
             m.id.to_string(),
-            if border { "border" } else { m.kind }.to_owned(),
+            format!(
+                "{}{}",
+                if border { "border" } else { m.kind },
+                if found.agreed[i] { "" } else { "?" }
+            ),
             m.loops.to_string(),
             m.edges.to_string(),
             if border { "-".into() } else { format!("{:.0}", found.missing_in[i]) },

@@ -260,7 +260,10 @@ fn step(patch: &mut Patch) {
 }
 
 /// The mesh with all its initial completions, and the vertex of it that each patch vertex is.
-fn completed_mesh(mesh: MeshView<'_>, initial: &[Initial<'_>]) -> (Parts, Vec<Vec<u32>>) {
+pub(super) fn completed_mesh(
+    mesh: MeshView<'_>,
+    initial: &[Initial<'_>],
+) -> (Parts, Vec<Vec<u32>>) {
     let positions: Vec<DVec3> =
         (0..mesh.vertices.len()).map(|v| DVec3::from(mesh.vertices.get(v))).collect();
     let has_corners = |f: &[u32; 3]| f[0] != f[1] && f[1] != f[2] && f[2] != f[0];

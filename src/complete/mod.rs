@@ -3,6 +3,7 @@
 
 mod check;
 mod coherent;
+mod fragment;
 mod guided;
 pub mod harary;
 mod initial;
@@ -19,6 +20,7 @@ use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
 use crate::options::{Appearance, Fairing, Grouping, Method, Options, Sources};
+use crate::parallel::thread_count;
 #[cfg(feature = "capi")]
 pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
@@ -69,6 +71,8 @@ pub fn complete_mesh_with(
 pub struct Completer<'a> {
     mesh: MeshView<'a>,
     holes: HoleList,
+    /// Whether the vertices are a cloud's points.
+    of_points: bool,
     /// Made when a coherent completion first asks for it.
     library: Mutex<Option<(Key, Arc<Library>)>>,
     /// The last result and what was asked for: a host that redoes need not wait.
@@ -92,10 +96,16 @@ impl<'a> Completer<'a> {
         Ok(Self {
             mesh,
             holes,
+            of_points: false,
             library: Mutex::default(),
             last: Mutex::default(),
             spent: (clock.elapsed(), cpu.elapsed()),
         })
+    }
+
+    /// The same of a mesh laid through a cloud's points.
+    pub(crate) fn of_points(self) -> Self {
+        Self { of_points: true, ..self }
     }
 
     /// What coherent completions copy from, kept until other sources are asked for.
@@ -192,8 +202,12 @@ impl<'a> Completer<'a> {
             let hole = (todo[i], &points[i][..]);
             self.fill_one(&around, &obstacles, hole, todo.len(), options, check)
         })?;
-        if options.method == Method::Harary {
-            self.make_coherent(&around, &boxes, &mut outcomes, monitor)?;
+        match options.method {
+            Method::Harary => self.make_coherent(&around, &boxes, &mut outcomes, monitor)?,
+            Method::Fragment => {
+                self.paste_fragments(&around, &boxes, &mut outcomes, options, monitor)?;
+            }
+            Method::Coherent | Method::Smooth => {}
         }
         monitor.step(0.95, "checking the fills against each other")?;
         let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
@@ -333,17 +347,8 @@ impl<'a> Completer<'a> {
         outcomes: &mut [Outcome],
         monitor: &Monitor,
     ) -> Result<()> {
-        let mut fills: Vec<&mut Fill> =
-            outcomes.iter_mut().filter_map(|o| o.as_mut().ok()).map(|o| &mut o.0).collect();
-        let input = |&v: &u32| around.near.vertices[v as usize];
-        let initial: Vec<harary::Initial<'_>> = fills
-            .iter()
-            .map(|fill| harary::Initial {
-                rim: fill.outline.vertices.iter().map(input).collect(),
-                patch: &fill.patch,
-                taken: &fill.outline.taken,
-            })
-            .collect();
+        let mut fills = filled(outcomes);
+        let initial = initial_of(around, &fills);
         let made = workers::beside(monitor, "continuing what the object shows", &|inner, done| {
             harary::complete_holes_harary(self.mesh, &initial, inner, done)
         })?;
@@ -354,6 +359,42 @@ impl<'a> Completer<'a> {
                 monitor.check()?;
                 if let Ok(settled) = obstacles.settle(around, patch, &|| monitor.check())? {
                     (fill.patch, fill.method) = (settled, Method::Harary);
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The smooth fills replaced by fragments of the object (Bendels et al. 2005): of each hole those of
+    /// the finest scale that keep the contract, the smooth one at the worst.
+    fn paste_fragments(
+        &self,
+        around: &Surroundings<'_>,
+        boxes: &[Bounds],
+        outcomes: &mut [Outcome],
+        options: &Options,
+        monitor: &Monitor,
+    ) -> Result<()> {
+        let mut fills = filled(outcomes);
+        let initial = initial_of(around, &fills);
+        let rims: Vec<u32> =
+            self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect();
+        let asked = fragment::Asked {
+            rims: &rims,
+            of_points: self.of_points,
+            mirrored: !options.sources.unmirrored,
+            threads: thread_count(options.threads),
+        };
+        let made = workers::beside(monitor, "copying fragments", &|inner, done| {
+            fragment::complete_holes(self.mesh, &initial, &asked, inner, done)
+        })?;
+        let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &[] };
+        for (fill, completed) in fills.iter_mut().zip(made) {
+            for (patch, story) in completed.patches {
+                monitor.check()?;
+                if let Ok(patch) = obstacles.settle(around, patch, &|| monitor.check())? {
+                    (fill.patch, fill.story, fill.method) = (patch, Some(story), Method::Fragment);
                     break;
                 }
             }
@@ -489,6 +530,22 @@ impl<'a> Completer<'a> {
         }
         Ok(out)
     }
+}
+
+/// The fills there are.
+fn filled(outcomes: &mut [Outcome]) -> Vec<&mut Fill> {
+    outcomes.iter_mut().filter_map(|o| o.as_mut().ok()).map(|o| &mut o.0).collect()
+}
+
+/// The same as what to start from.
+fn initial_of<'f>(around: &Surroundings<'_>, fills: &'f [&mut Fill]) -> Vec<harary::Initial<'f>> {
+    let input = |&v: &u32| around.near.vertices[v as usize];
+    let one = |fill: &'f &mut Fill| harary::Initial {
+        rim: fill.outline.vertices.iter().map(input).collect(),
+        patch: &fill.patch,
+        taken: &fill.outline.taken,
+    };
+    fills.iter().map(one).collect()
 }
 
 fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {

@@ -5,6 +5,7 @@ pub mod blocks;
 pub mod candidates;
 pub mod cloud;
 pub mod consistent;
+pub mod fragment;
 pub mod height_map;
 pub mod icp;
 pub mod object;

@@ -2,9 +2,9 @@
 //! is that a point lies on a boundary.
 //!
 //! Differences from the paper:
-//! - The closed loops of Sec. 6.2 are the boundary loops of the mesh through the points ([`super::tidy`]),
-//!   not what a spanning tree closes: they are closed and simple without a threshold. The
-//!   probability says how far a rim is to be believed.
+//! - The loops that are filled are the boundary loops of the mesh through the points ([`super::tidy`]):
+//!   they are closed and simple without a threshold. The probability, and the loops that a spanning tree
+//!   closes ([`super::spanning`]), say how far a rim is to be believed.
 //! - The shape criterion takes the inverse of the distances: as printed, the farther from the
 //!   boundary's shape the more probable.
 

@@ -2,7 +2,9 @@
 
 use super::boundary::probability;
 use super::clean::{clean, Cleaned};
+use super::neighbours::blocks;
 use super::normals::normals;
+use super::spanning::{self, agree};
 use super::surface::surface;
 use super::tidy::{tidy, Rim, RimKind};
 use super::{
@@ -32,6 +34,10 @@ pub struct PointHoles {
     /// For each hole the mean boundary probability of its rim's points (Bendels et al. 2005), 0 to 1:
     /// from 0.4 a rim is plain to see.
     pub probability: Vec<f64>,
+    /// For each hole whether a second detector closes loops where its rims are: a spanning tree of the
+    /// points that are likely to lie on a boundary (Bendels et al. 2005). A hole that is not agreed on
+    /// may be a sparse place. Empty in a completion, which does not ask it.
+    pub agreed: Vec<bool>,
     /// The middle one of the distances to the sixth neighbour, in cloud units.
     pub spacing: f64,
     /// Points without coordinates (all three NaN); they are passed through and otherwise ignored.
@@ -50,7 +56,7 @@ pub fn find_point_holes(
     threads: usize,
     monitor: &Monitor,
 ) -> Result<PointHoles> {
-    let scaffold = Scaffold::new(points, normals, threads, monitor)?;
+    let scaffold = Scaffold::asking(points, normals, Second::Asked, threads, monitor)?;
     let vertices = Vertices::new(points, &scaffold.ids);
     let mesh = MeshView { vertices: vertices.view(), faces: (&scaffold.faces[..]).into() };
     let grouping = scaffold.local_grouping(mesh, grouping, monitor)?;
@@ -65,13 +71,32 @@ pub(super) struct Scaffold {
     /// Its triangles, over its own vertices.
     pub faces: Vec<[u32; 3]>,
     rims: Vec<Rim>,
+    /// Whether the rims know what the second detector says.
+    asked: bool,
     found: PointHoles,
+}
+
+/// Whether the second detector is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Second {
+    Asked,
+    Silent,
 }
 
 impl Scaffold {
     pub fn new(
         cloud: VertexView<'_>,
         given: Option<VertexView<'_>>,
+        threads: usize,
+        monitor: &Monitor,
+    ) -> Result<Self> {
+        Self::asking(cloud, given, Second::Silent, threads, monitor)
+    }
+
+    fn asking(
+        cloud: VertexView<'_>,
+        given: Option<VertexView<'_>>,
+        second: Second,
         threads: usize,
         monitor: &Monitor,
     ) -> Result<Self> {
@@ -100,6 +125,12 @@ impl Scaffold {
             let each = |&v: &u32| probability(&points, &normals, &neighbours, v as usize);
             rim.probability = rim.points.iter().map(each).sum::<f64>() / rim.points.len() as f64;
         }
+        if second == Second::Asked {
+            let each = |v: usize| probability(&points, &normals, &neighbours, v);
+            let likely = blocks(points.len(), threads, monitor, &each)?;
+            let loops = spanning::loops(&points, &neighbours, &likely, monitor)?;
+            rims.iter_mut().for_each(|r| r.agreed = agree(&r.points, &loops, &neighbours));
+        }
         let alive = surface.triangles.iter().zip(&surface.dropped).filter(|t| !t.1);
         let faces: Vec<[u32; 3]> = alive.map(|t| *t.0).collect();
         if faces.is_empty() {
@@ -109,7 +140,8 @@ impl Scaffold {
         let half = middle.len() / 2;
         let spacing = *middle.select_nth_unstable_by(half, f64::total_cmp).1;
         let found = PointHoles { spacing, missing, doubles, outliers, ..PointHoles::default() };
-        Ok(Self { ids, faces, rims, found })
+        let asked = second == Second::Asked;
+        Ok(Self { ids, faces, rims, asked, found })
     }
 
     /// The caller's grouping in the mesh's own numbers. Only a hole and the islands in it, and
@@ -192,6 +224,7 @@ impl Scaffold {
             let points: f64 = rims.iter().map(|r| r.points.len() as f64).sum();
             let sum: f64 = rims.iter().map(|r| r.probability * r.points.len() as f64).sum();
             found.probability.push(sum / points.max(1.0));
+            found.agreed.extend(self.asked.then(|| rims.iter().all(|r| r.agreed)));
         }
         (found, numbers)
     }

@@ -9,6 +9,7 @@ mod clean;
 mod holes;
 mod neighbours;
 mod normals;
+mod spanning;
 mod surface;
 mod tidy;
 
@@ -98,7 +99,7 @@ pub fn complete_points_with(
     let vertices = Vertices::new(points, &scaffold.ids);
     let mesh = MeshView { vertices: vertices.view(), faces: (&scaffold.faces[..]).into() };
     let grouping = scaffold.local_grouping(mesh, &options.grouping, monitor)?;
-    let completer = Completer::new(mesh, &grouping, monitor)?;
+    let completer = Completer::new(mesh, &grouping, monitor)?.of_points();
     let (found, numbers) = scaffold.holes(completer.holes());
     let wanted = wanted(points, &found, &options.selection)?;
     let ids: Vec<usize> = (0..numbers.len()).filter(|&h| wanted[h]).map(|h| numbers[h]).collect();

@@ -32,6 +32,8 @@ pub struct Rim {
     pub missing: f64,
     /// Mean boundary probability of its points, once it is known.
     pub probability: f64,
+    /// Whether the loops of [`super::spanning`] agree, once they are known.
+    pub agreed: bool,
 }
 
 /// What a rim goes round.
@@ -76,7 +78,8 @@ fn close_cracks(surface: &mut Surface<'_>) -> usize {
 /// What a loop goes round, and the triangles that close it (none if it is long, or none fit).
 fn judge(surface: &Surface<'_>, points: Vec<u32>) -> (Rim, Vec<[u32; 3]>) {
     let count = points.len();
-    let rim = |points, kind, missing| Rim { points, kind, missing, probability: 0.0 };
+    let rim =
+        |points, kind, missing| Rim { points, kind, missing, probability: 0.0, agreed: false };
     if count >= SMALLEST_RIM && is_border(surface, &points) {
         return (rim(points, RimKind::Border, 0.0), Vec::new());
     }

@@ -316,7 +316,7 @@ fn distances(sheet: &Sheet) -> Vec<f64> {
 }
 
 /// Greatest distance from the rim to a fill vertex along edges: half the width of a long hole.
-fn depth(patch: &Patch) -> f64 {
+pub fn depth(patch: &Patch) -> f64 {
     let distance = from_rim(&patch.positions, &patch.triangles, patch.rim_count);
     distance.into_iter().filter(|d| d.is_finite()).fold(0.0, f64::max)
 }

@@ -59,7 +59,7 @@ pub fn join(domain: &Domain, views: &[View<'_>]) -> Option<Joined> {
     };
     let l = &domain.laplacian;
     let ratio = (domain.edge / (SPLIT * domain.radius)).powi(2) / 4.0;
-    let mut columns: Vec<Vec<(u32, f64)>> = (0..n).map(|v| vec![(v as u32, 0.0)]).collect();
+    let matrix = matrix(domain.fill.clone(), ratio, &|i| l.row(i).map(|(k, _)| k).collect());
     let mut rhs = vec![0.0; n];
     for i in domain.fill.clone() {
         let degree = l.row(i).count() as f64;
@@ -69,18 +69,38 @@ pub fn join(domain: &Domain, views: &[View<'_>]) -> Option<Joined> {
         let row = || std::iter::once((i, degree)).chain(l.row(i).map(|(k, _)| (k, -1.0)));
         for (a, x) in row().filter(|&(a, _)| domain.fill.contains(&a)) {
             rhs[a - first] += x * wanted / degree;
-            for (b, y) in row().filter(|&(b, _)| b >= a && domain.fill.contains(&b)) {
-                columns[a - first].push(((b - first) as u32, x * y / degree));
-            }
         }
         let hold = degree * ratio * ratio;
-        columns[i - first][0].1 += hold;
         rhs[i - first] += hold * base[i - first];
     }
     let mut solution = [rhs];
-    Symmetric::from_columns(columns).factor(1.0, &vec![0.0; n])?.solve(&mut solution);
+    let mut matrix = matrix;
+    matrix.factor(1.0, &vec![0.0; n])?.solve(&mut solution);
     let [heights] = solution;
     Some(Joined { heights, labels })
+}
+
+/// Σ_fill 1/deg L_uᵀ L_u + deg `ratio`² over the vertices of a fill, by the neighbours of each.
+pub fn matrix(
+    fill: std::ops::Range<usize>,
+    ratio: f64,
+    beside: &dyn Fn(usize) -> Vec<usize>,
+) -> Symmetric {
+    let first = fill.start;
+    let mut columns: Vec<Vec<(u32, f64)>> =
+        (0..fill.len()).map(|v| vec![(v as u32, 0.0)]).collect();
+    for i in fill.clone() {
+        let around = beside(i);
+        let degree = around.len() as f64;
+        let row = || std::iter::once((i, degree)).chain(around.iter().map(|&k| (k, -1.0)));
+        for (a, x) in row().filter(|&(a, _)| fill.contains(&a)) {
+            for (b, y) in row().filter(|&(b, _)| b >= a && fill.contains(&b)) {
+                columns[a - first].push(((b - first) as u32, x * y / degree));
+            }
+        }
+        columns[i - first][0].1 += degree * ratio * ratio;
+    }
+    Symmetric::from_columns(columns)
 }
 
 /// Where copies lie beyond their borders: at the vertices beside those they gave, the rim's and other

@@ -10,6 +10,8 @@ pub mod domain;
 pub mod factor;
 pub mod field;
 pub mod fit;
+pub mod fragments;
+pub mod hierarchy;
 pub mod join;
 pub mod labels;
 pub mod levels;
@@ -17,6 +19,7 @@ pub mod project;
 pub mod rank;
 pub mod repair;
 pub mod resemblance;
+pub mod sampling;
 #[cfg(test)]
 mod tests;
 pub mod view;

@@ -75,7 +75,6 @@ fn invalid_meshes_and_options_are_4_and_write_nothing() {
         // Without faces it is a cloud.
         ("fill empty.ply -o out.ply", "6 points lie on no surface"),
         ("fill in.ply -o out.ply --method warp --report r.json", "warp"),
-        ("fill in.ply -o out.ply --method fragment", "fragment"),
         ("fill in.ply -o out.ply --holes 7", "hole 7"),
         ("fill in.ply -o out.ply --edge-scale 100", "100"),
         ("fill in.ply -o out.ply --max-length -1", "-1"),

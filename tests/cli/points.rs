@@ -53,6 +53,7 @@ fn holes_of_a_cloud_are_listed() {
     assert!(holes[0]["missing_points"].as_f64().unwrap() > 20.0, "{holes:?}");
     let probability = holes[0]["boundary_probability"].as_f64().unwrap();
     assert!((0.35..=1.0).contains(&probability), "{probability}");
+    assert!(holes.iter().all(|h| h["agreed"] == true), "{holes:?}");
 }
 
 #[test]

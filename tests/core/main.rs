@@ -4,6 +4,7 @@ mod appearance;
 mod checker;
 mod coherent;
 mod contract;
+mod fragment;
 mod guidance;
 mod holes;
 mod initial;

@@ -97,6 +97,7 @@ fn every_hole_is_found_and_no_other() {
     let ratio = missing / gone.len() as f64;
     assert!((0.8..1.3).contains(&ratio), "{ratio} of the points that are missing");
     assert!(found.probability.iter().all(|p| *p > 0.35), "{:?}", found.probability);
+    assert_eq!(found.agreed, [true; 3], "both detectors see them");
     // The whole sphere has none.
     assert_eq!(find(&sphere(6000)).list.holes.len(), 0);
     assert_eq!(find(&noisy(&sphere(6000), 0.3 * h / 3f64.sqrt())).list.holes.len(), 0);

@@ -145,4 +145,5 @@ fn bad_sources_are_named() {
     bad.vertices[7][1] = f64::NAN;
     refused(with(bad), coherent, "vertex 7");
     refused(with(moved(&whole, false)), Method::Harary, "harary");
+    refused(with(moved(&whole, false)), Method::Fragment, "fragment");
 }

@@ -29,7 +29,8 @@ enum class Status : std::int32_t {
 enum class Method : std::uint32_t {
   smooth = COMPLETE_MESH_METHOD_SMOOTH,
   coherent = COMPLETE_MESH_METHOD_COHERENT,
-  harary = COMPLETE_MESH_METHOD_HARARY
+  harary = COMPLETE_MESH_METHOD_HARARY,
+  fragment = COMPLETE_MESH_METHOD_FRAGMENT
 };
 
 enum class Fairing : std::uint32_t {

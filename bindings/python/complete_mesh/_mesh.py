@@ -63,7 +63,8 @@ def complete_mesh(
         vertices: (n, 3) positions, float32 or float64, in any unit: the mesh unit.
         faces: (m, 3) vertex indices, integers, counter-clockwise seen from outside.
         method: "coherent" continues what the object shows, or is smooth where nothing serves;
-            "smooth" is always smooth; "harary" is the paper's method as written, slow.
+            "smooth" is always smooth; "harary" is the paper's method as written, slow;
+            "fragment" copies fragments of the object (Bendels et al. 2005).
         fairing: the smooth surface to start from: "auto", "none", "c0", "c1", "c2",
             "least_squares" or "smoothed_plate".
         sizing: the edge length that new triangles aim for: "surroundings", "scaled" (that times

@@ -1,0 +1,168 @@
+//! Bendels, Schnabel and Klein (2005), "Fragment-based surface inpainting": holes are filled scale by
+//! scale with copies of fragments of the object.
+//!
+//! Reads as the list of its steps; `docs/fragment.md` explains them. Differences from the paper:
+//! - The guidance of the coarsest scale is the smooth completion.
+//! - Holes are filled one by one; the fills of the others are no source.
+//! - If the finest fill meets itself or the mesh, that of the next coarser scale stands.
+
+use super::harary::{completed_mesh, Initial};
+use super::smooth::Story;
+use crate::error::Result;
+use crate::fill::patch::Patch;
+use crate::matching::fragment::Turned;
+use crate::matching::source::Source;
+use crate::mesh::MeshView;
+use crate::progress::Monitor;
+use crate::result::{Origin, SourceReport, NONE};
+use crate::synthesis::domain::depth;
+use crate::synthesis::fragments::{Candidates, Filled, Filling, Pasted};
+use crate::synthesis::hierarchy::{radius_in_edges, scales, MOST};
+use crate::synthesis::sampling::take_points;
+use glam::DVec3;
+
+/// Radius of a fragment of the coarsest scale, in greatest distances from the rim: from one side of a
+/// round hole it reaches the other.
+const ACROSS: f64 = 2.0;
+/// Fewer new vertices than this have no room for detail.
+const LEAST: usize = 6;
+
+/// The completion of one hole.
+pub struct Completed {
+    /// The finest first, each with its story. The rim is the initial one's. Not tested for
+    /// intersections. Empty if there is no room for detail.
+    pub patches: Vec<(Patch, Story)>,
+}
+
+/// What all holes share.
+pub struct Asked<'a> {
+    /// All boundary vertices of the mesh.
+    pub rims: &'a [u32],
+    /// Whether its vertices are a cloud's points: the copies' own are then put in.
+    pub of_points: bool,
+    /// Whether mirrored copies may be made.
+    pub mirrored: bool,
+    /// Threads to use.
+    pub threads: usize,
+}
+
+/// Completes the holes of a mesh from their smooth completions. `progress` is called with the fraction
+/// done.
+pub fn complete_holes(
+    mesh: MeshView<'_>,
+    initial: &[Initial<'_>],
+    asked: &Asked<'_>,
+    monitor: &Monitor,
+    progress: &dyn Fn(f64),
+) -> Result<Vec<Completed>> {
+    let &Asked { rims, of_points, mirrored, threads } = asked;
+    let (parts, origins) = completed_mesh(mesh, initial);
+    let mut open = vec![false; parts.positions.len()];
+    rims.iter().for_each(|&v| open[v as usize] = true);
+    initial.iter().flat_map(|i| &i.rim).for_each(|&v| open[v as usize] = false);
+    let edge = mean_edge(&parts.positions, &parts.faces);
+    let wanted: Vec<usize> = initial.iter().map(|i| coarsest(i.patch, edge)).collect();
+    let Some(&most) = wanted.iter().max() else { return Ok(Vec::new()) };
+    let all = scales(mesh, &parts, rims, &open, most + 2, &|part| {
+        progress(0.2 * part);
+        monitor.check()
+    })?;
+    let turns = Turned::all(mirrored);
+    let check = || monitor.check();
+    let mut results: Vec<Vec<Filled>> = initial.iter().map(|_| Vec::new()).collect();
+    // Scale by scale, so that the candidates of one are there at a time.
+    for scale in (0..=most).rev() {
+        let two = [&all[scale], &all[scale + 1]];
+        let radius = radius_in_edges(scale) * edge;
+        let candidates = Candidates::new(two, radius, &turns, threads, &check)?;
+        for (hole, init) in initial.iter().enumerate().filter(|(h, _)| wanted[*h] >= scale) {
+            if init.patch.positions.len() < init.patch.rim_count + LEAST {
+                continue;
+            }
+            let origin = &origins[hole];
+            let before = results[hole].last();
+            let guidance = match before {
+                Some(filled) => filled.positions.clone(),
+                None => origin.iter().map(|&v| two[1].positions[v as usize]).collect(),
+            };
+            let filling = Filling::new(two, &candidates, init.patch, origin, guidance, threads);
+            let filled = filling.run(before, &check)?;
+            results[hole].push(filled);
+        }
+        progress(0.2 + 0.8 * (most - scale + 1) as f64 / (most + 1) as f64);
+    }
+    let source = &all[0].source;
+    let told = |(filled, init): (Vec<Filled>, &Initial<'_>)| {
+        let mut patches = Vec::new();
+        for Filled { positions, copies, pasted } in filled.into_iter().rev().take(2) {
+            let mut patch = init.patch.clone();
+            let rim = patch.rim_count;
+            patch.positions[rim..].copy_from_slice(&positions[rim..]);
+            if of_points && patches.is_empty() {
+                let taken = take_points(&patch, &copies, &pasted, source, init.taken);
+                patches.extend(taken.map(|(patch, copies)| tell(patch, &copies, &pasted, source)));
+            }
+            patches.push(tell(patch, &copies, &pasted, source));
+        }
+        Completed { patches }
+    };
+    Ok(results.into_iter().zip(initial).map(told).collect())
+}
+
+/// The scale at which a fragment reaches across a hole.
+fn coarsest(patch: &Patch, edge: f64) -> usize {
+    let depth = depth(patch);
+    (0..MOST - 1)
+        .find(|&s| radius_in_edges(s) * std::f64::consts::SQRT_2 * edge > ACROSS * depth)
+        .unwrap_or(MOST - 1)
+}
+
+fn mean_edge(positions: &[DVec3], faces: &[[u32; 3]]) -> f64 {
+    let length = |a: u32, b: u32| positions[a as usize].distance(positions[b as usize]);
+    let around = |f: &[u32; 3]| length(f[0], f[1]) + length(f[1], f[2]) + length(f[2], f[0]);
+    faces.iter().map(around).sum::<f64>() / (3 * faces.len().max(1)) as f64
+}
+
+/// A patch with where each vertex comes from.
+fn tell(
+    patch: Patch,
+    copies: &[Option<u32>],
+    pasted: &[Pasted],
+    source: &Source,
+) -> (Patch, Story) {
+    let (rim, positions) = (patch.rim_count, &patch.positions);
+    let mut used = vec![0usize; pasted.len()];
+    copies[rim..].iter().flatten().for_each(|&c| used[c as usize] += 1);
+    let mut order: Vec<usize> = (0..pasted.len()).filter(|&c| used[c] > 0).collect();
+    order.sort_by_key(|&c| (std::cmp::Reverse(used[c]), c));
+    let mut rank = vec![NONE; pasted.len()];
+    order.iter().enumerate().for_each(|(i, &c)| rank[c] = i as u32);
+    let origin = |v: usize| {
+        let found = copies[v].and_then(|c| {
+            let copy = pasted[c as usize];
+            let there = copy.transform.inverse().point(positions[v]);
+            let hit = source.tree.closest_point(there, f64::INFINITY)?;
+            let [left, plain] = copy.errors;
+            let ratio = left / plain.max(f64::MIN_POSITIVE);
+            Some(Origin {
+                face: source.face_ids[hit.face as usize],
+                barycentric: source.barycentric(hit.face, hit.point),
+                source: rank[c as usize],
+                confidence: 1.0 / (1.0 + ratio * ratio),
+            })
+        });
+        found.unwrap_or(Origin::NOWHERE)
+    };
+    let origins: Vec<Origin> = (rim..positions.len()).map(origin).collect();
+    let new = origins.len().max(1) as f64;
+    let report = |&c: &usize| SourceReport {
+        transform: pasted[c].transform,
+        error: pasted[c].errors[0],
+        weight: used[c] as f64 / used.iter().sum::<usize>().max(1) as f64,
+        vertices: used[c],
+    };
+    let sources = order.iter().map(report).collect();
+    let confidence = origins.iter().map(|o| o.confidence).sum::<f64>() / new;
+    let (seams, ring, coherence_error) = (Vec::new(), Vec::new(), None);
+    (patch, Story { origins, sources, seams, ring, confidence, coherence_error })
+}

@@ -1,0 +1,99 @@
+//! Fragments against surfaces whose truth is known.
+
+use crate::checker::complete_checked;
+use crate::meshes::Mesh;
+use complete_mesh::{complete_points, Completion, Method, Options};
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// Points a side, half the width, and the radius of the hole.
+const SIDE: usize = 90;
+const WIDTH: f64 = 1.5;
+const RADIUS: f64 = 0.22;
+
+/// A relief that repeats itself: oblique waves, four and five over the width of the hole's twice.
+fn relief(p: DVec2) -> f64 {
+    0.03 * (TAU * p.x / 0.3).sin() * (TAU * p.y / 0.375).cos()
+        + 0.02 * (TAU * (p.x + p.y) / 0.6).sin()
+}
+
+/// The relief on a lattice over a square, without the faces that reach into a disc.
+fn broken_relief() -> Mesh {
+    let step = 2.0 * WIDTH / (SIDE - 1) as f64;
+    let at = |k: usize| {
+        let p = DVec2::new((k % SIDE) as f64, (k / SIDE) as f64) * step - WIDTH;
+        [p.x, p.y, relief(p)]
+    };
+    let all: Vec<[f64; 3]> = (0..SIDE * SIDE).map(at).collect();
+    let kept = |v: usize| DVec2::new(all[v][0], all[v][1]).length() > RADIUS;
+    let mut number = vec![u32::MAX; all.len()];
+    let mut vertices = Vec::new();
+    for v in (0..all.len()).filter(|&v| kept(v)) {
+        number[v] = vertices.len() as u32;
+        vertices.push(all[v]);
+    }
+    let mut faces = Vec::new();
+    for k in (0..SIDE * (SIDE - 1)).filter(|k| k % SIDE < SIDE - 1) {
+        let [a, b, c, d] = [k, k + 1, k + SIDE + 1, k + SIDE].map(|v| number[v]);
+        faces.extend([[a, b, c], [a, c, d]]);
+    }
+    faces.retain(|f| f.iter().all(|&v| v != u32::MAX));
+    Mesh { vertices, faces }
+}
+
+/// Root mean square height of the new vertices in the disc over the true relief.
+fn rms(made: &Completion) -> f64 {
+    let inner: Vec<f64> = made
+        .vertices
+        .iter()
+        .map(|p| (DVec2::new(p[0], p[1]), p[2]))
+        .filter(|(p, _)| p.length() < RADIUS)
+        .map(|(p, z)| (z - relief(p)).powi(2))
+        .collect();
+    assert!(inner.len() > 100);
+    (inner.iter().sum::<f64>() / inner.len() as f64).sqrt()
+}
+
+fn options(method: Method) -> Options {
+    let selection = complete_mesh::Selection::NearPoint([0.0, RADIUS, 0.0]);
+    Options { method, selection, ..Options::default() }
+}
+
+/// What repeats itself is found again and copied, with its provenance.
+#[test]
+fn a_periodic_relief_is_recovered() {
+    let mesh = broken_relief();
+    let [smooth, fragment] =
+        [Method::Smooth, Method::Fragment].map(|m| complete_checked(&mesh, &options(m)));
+    let [bare, own] = [&smooth, &fragment].map(rms);
+    println!("smooth {bare:.1e}, fragment {own:.1e}");
+    assert!(own < 0.2 * bare, "{own} {bare}");
+    let hole = fragment.holes.iter().find(|h| h.method == Method::Fragment).unwrap();
+    assert!(hole.confidence > 0.5 && hole.sources.len() > 1, "{}", hole.summary());
+    // Each new vertex is where its source says.
+    let mut off = Vec::new();
+    for (p, origin) in fragment.vertices.iter().zip(&fragment.origins) {
+        let Some(source) = hole.sources.get(origin.source as usize) else { continue };
+        let face = mesh.faces[origin.face as usize].map(|v| DVec3::from(mesh.vertices[v as usize]));
+        let there: DVec3 = (0..3).map(|k| origin.barycentric[k] * face[k]).sum();
+        off.push(source.transform.point(there).distance(DVec3::from(*p)));
+    }
+    assert!(off.len() * 10 > fragment.vertices.len() * 9);
+    let mean = off.iter().sum::<f64>() / off.len() as f64;
+    assert!(mean < 0.3 * bare, "{mean} {bare}");
+}
+
+/// The same relief as points: the fill has its shape, as many points as were taken out, and most of them
+/// lie where points were.
+#[test]
+fn a_periodic_cloud_is_recovered() {
+    let mesh = broken_relief();
+    let made = complete_points(&mesh.vertices[..], None, &options(Method::Fragment)).unwrap();
+    let smooth = complete_points(&mesh.vertices[..], None, &options(Method::Smooth)).unwrap();
+    let [bare, own] = [&smooth.completion, &made.completion].map(rms);
+    println!("smooth {bare:.1e}, fragment {own:.1e}");
+    assert!(own < 0.3 * bare, "{own} {bare}");
+    let gone = SIDE * SIDE - mesh.vertices.len();
+    let ratio = made.completion.vertices.len() as f64 / gone as f64;
+    assert!((0.7..1.4).contains(&ratio), "{ratio}");
+}
