@@ -85,8 +85,9 @@ pub struct Maps {
 const SCALE_STEP: f64 = 1.08;
 /// Spacing of the thinned source, in hole radii: two points a bin of the height maps.
 const CLOUD_SPACING: f64 = 0.11;
-/// The ratio of one cloud's spacing to the next.
-const CLOUD_STEP: f64 = 1.1;
+/// The ratio of one cloud's spacing to the next; wider below the mesh's own edges, where a cloud is made of
+/// several samples a face, which show nothing new.
+const CLOUD_STEPS: [f64; 2] = [1.1, 1.25];
 
 /// The scale that serves a hole radius: the least power of 1.08 (times the object's edge) above it.
 pub fn scale_of(edge: f64, radius: f64) -> i32 {
@@ -98,10 +99,11 @@ pub fn radius_at(edge: f64, scale: i32) -> f64 {
     edge * SCALE_STEP.powi(scale)
 }
 
-/// The cloud that serves a hole radius: the power of 1.1 of its spacing, in edges.
+/// The cloud that serves a hole radius: the power of a step of its spacing, in edges.
 pub fn cloud_scale(source: &Source, radius: f64) -> i32 {
     let spacing = Cloud::spacing(source, CLOUD_SPACING * radius);
-    ((spacing / source.edge).ln() / CLOUD_STEP.ln()).round() as i32
+    let step = CLOUD_STEPS[usize::from(spacing < source.edge)];
+    ((spacing / source.edge).ln() / step.ln()).round() as i32
 }
 
 /// The cloud of a [`cloud_scale`].
@@ -110,7 +112,8 @@ pub fn cloud_at(
     cloud_scale: i32,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Cloud> {
-    Cloud::of_source(source, source.edge * CLOUD_STEP.powi(cloud_scale), check)
+    let step = CLOUD_STEPS[usize::from(cloud_scale < 0)];
+    Cloud::of_source(source, source.edge * step.powi(cloud_scale), check)
 }
 
 impl Maps {
