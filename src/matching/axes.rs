@@ -62,13 +62,18 @@ mod tests {
         assert!(!axes.abs_diff_eq(DMat3::IDENTITY, 0.1));
     }
 
-    /// In the order of their spread, turned to the longer end.
+    /// A flat wedge of many strips: its length first, towards its tip; then its width.
     #[test]
     fn the_longest_axis_is_the_first() {
-        let corner = |x: f64, y: f64| DVec3::new(y, x, 0.0);
-        let p = [corner(0.0, 0.0), corner(9.0, 0.0), corner(0.0, 1.0), corner(-1.0, 0.5)];
-        let axes = principal_axes(&p, &[[0, 1, 2], [0, 2, 3]]);
-        assert!(axes.x_axis.y > 0.9 && axes.y_axis.x.abs() > 0.9, "{axes}");
+        let corner = |k: u32| {
+            let (x, side) = (f64::from(k / 2), f64::from(k % 2) - 0.5);
+            DVec3::new(side * (3.0 - 0.1 * x), x, 0.0)
+        };
+        let p: Vec<DVec3> = (0..60).map(corner).collect();
+        let strip = |k: u32| [[k, k + 1, k + 2], [k + 1, k + 3, k + 2]];
+        let faces: Vec<[u32; 3]> = (0..58).step_by(2).flat_map(strip).collect();
+        let axes = principal_axes(&p, &faces);
+        assert!(axes.x_axis.y > 0.99 && axes.y_axis.x.abs() > 0.99, "{axes}");
     }
 
     #[test]

@@ -225,7 +225,9 @@ mod tests {
             assert!((0.7..2.5).contains(&ratio), "{ratio}");
             for (p, n) in points.iter().zip(normals) {
                 let (q, m) = hills(p.x, p.y);
-                assert!((p.z - q.z).abs() < 0.2 * spacing && n.dot(m) > 0.98, "{p}");
+                let off = (p.z - q.z).abs() / spacing;
+                // A cell cut across its diagonal is as wide as √3.
+                assert!(off < 0.3 && n.dot(m) > 0.98, "{p} {off} {}", n.dot(m));
             }
             let tree = PointTree::of_all(points, &|| Ok(())).unwrap();
             for p in &source.positions {

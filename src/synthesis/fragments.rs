@@ -46,6 +46,10 @@ const MOVED: f64 = 0.25;
 /// Bins of the mean confidence when the next fragment is chosen (Sec. 4.3).
 const BINS: f64 = 10.0;
 
+/// Where no fragment serves a target the coarser surface stands for so much of its radius: one edge on the
+/// finest scale, and a wide border of a statue's foot is given up in seconds, not minutes.
+const GIVEN_UP: f64 = 0.25;
+
 /// A height along a line and the face met.
 type Met = Option<(u32, f64)>;
 
@@ -252,20 +256,22 @@ impl<'a> Filling<'a> {
             let pasted = found.is_some_and(|p| self.paste(b, target, p));
             if !pasted {
                 // Nothing serves: the coarser surface goes on here.
-                for w in std::iter::once(b).chain(self.beside[b as usize].clone()) {
-                    let w = w as usize;
-                    if self.filled[w].is_none() {
-                        self.filled[w] = Some(self.guidance[w]);
+                let at = self.guidance[b as usize];
+                let near = |i: usize| self.guidance[i].distance(at) < GIVEN_UP * radius;
+                let beside = &self.beside[b as usize];
+                for i in 0..self.filled.len() {
+                    if self.filled[i].is_none() && (near(i) || beside.contains(&(i as u32))) {
+                        self.filled[i] = Some(self.guidance[i]);
                     }
                 }
             }
             self.plant();
             let centre = self.guidance[b as usize];
             let open: Vec<u32> = self.frontier().collect();
-            // What a fragment of another target may show has changed.
+            // What a fragment of another target may show has changed, if something was laid.
             let holds = |v: u32| {
                 let far = self.guidance[v as usize].distance(centre) > 2.0 * radius;
-                far && open.binary_search(&v).is_ok()
+                (far || !pasted) && open.binary_search(&v).is_ok()
             };
             targets.retain(|&v, _| holds(v));
             stale = open.into_iter().filter(|v| !targets.contains_key(v)).collect();
