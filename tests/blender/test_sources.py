@@ -41,7 +41,7 @@ def patch(ob, far_from_rims):
     mesh = ob.data
     centres = scenes.get(mesh.polygons, "center", 3, np.float32)
     angle = np.arctan2(centres[:, 1], centres[:, 0]) % (2 * np.pi)
-    low, high = (1.5, 2.9) if far_from_rims else (0.9, 2.0)
+    low, high = (1.5, 2.9) if far_from_rims else (0.9, 2.9)
     return (angle > low) & (angle < high)
 
 
@@ -54,7 +54,8 @@ def check_selected(name, ob, before, chosen, **options):
     leave()
     check_added(name, ob, before, result)
     came = sources(ob, len(before["positions"]))
-    check(f"{name}: from there", chosen[came[came >= 0]].all() and (came >= 0).mean() > 0.5)
+    inside, found = chosen[came[came >= 0]].mean(), (came >= 0).mean()
+    check(f"{name}: from there", inside == 1 and found > 0.5, (inside, found))
     free_came = free.new_vertex_source_faces
     free_came = polygons[free_came[free_came >= 0]]
     check(f"{name}: without it from elsewhere, too", not chosen[free_came].all())

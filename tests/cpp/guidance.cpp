@@ -98,7 +98,8 @@ void check_points() {
   options.constraint_points = {{0, 0, 1.3}};
   const auto nearest = [&] {
     double least = 9;
-    for (const auto& p : mc::complete(mesh, options).new_vertices())
+    const auto made = mc::complete(mesh, options);
+    for (const auto& p : made.new_vertices())
       least = std::min(least, std::hypot(p[0], std::hypot(p[1], p[2] - 1.3)));
     return least;
   };
