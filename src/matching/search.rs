@@ -14,9 +14,8 @@ use std::sync::{Arc, OnceLock};
 
 /// Radius of the height maps, in hole radii: the hole and a ring as wide as its radius.
 const REACH: f64 = 2.0;
-/// Source maps that the smallest hole is compared with: with 400 a twin far off was lost, with 1000 the
-/// fills of seventeen objects are as with 2000.
-const LEAST_MAPS: usize = 1000;
+/// Source maps that the smallest hole is compared with: with 400 and with 1000 a twin far off was lost.
+const LEAST_MAPS: usize = 2000;
 /// Widths of the ring that are compared, in hole radii.
 const WIDTHS: [f64; 2] = [0.5, 1.0];
 /// Source centres lie this far apart, in hole radii: within reach of the ICP.
