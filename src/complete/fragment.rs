@@ -11,6 +11,7 @@ use super::smooth::Story;
 use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::matching::fragment::Turned;
+use crate::matching::object::mean_edge;
 use crate::matching::source::Source;
 use crate::mesh::MeshView;
 use crate::progress::Monitor;
@@ -19,7 +20,6 @@ use crate::synthesis::domain::depth;
 use crate::synthesis::fragments::{Candidates, Filled, Filling, Pasted};
 use crate::synthesis::hierarchy::{radius_in_edges, scales, MOST};
 use crate::synthesis::sampling::take_points;
-use glam::DVec3;
 
 /// Radius of a fragment of the coarsest scale, in greatest distances from the rim: from one side of a
 /// round hole it reaches the other.
@@ -115,12 +115,6 @@ fn coarsest(patch: &Patch, edge: f64) -> usize {
     (0..MOST - 1)
         .find(|&s| radius_in_edges(s) * std::f64::consts::SQRT_2 * edge > ACROSS * depth)
         .unwrap_or(MOST - 1)
-}
-
-fn mean_edge(positions: &[DVec3], faces: &[[u32; 3]]) -> f64 {
-    let length = |a: u32, b: u32| positions[a as usize].distance(positions[b as usize]);
-    let around = |f: &[u32; 3]| length(f[0], f[1]) + length(f[1], f[2]) + length(f[2], f[0]);
-    faces.iter().map(around).sum::<f64>() / (3 * faces.len().max(1)) as f64
 }
 
 /// A patch with where each vertex comes from.

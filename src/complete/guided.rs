@@ -1,7 +1,7 @@
 //! Which transforms a hole is looked at with: those that the search finds, as it is guided
 //! ([`crate::Guidance`]): one given by hand, sources of other sizes, one candidate of several.
 
-use super::library::{Library, Sought};
+use super::library::Library;
 use crate::error::Result;
 use crate::guidance::{Guidance, Placement};
 use crate::matching::icp::{misfit, RingPoint};
@@ -13,7 +13,8 @@ use crate::options::Exemplar;
 use crate::parallel;
 use crate::synthesis::view::{View, HOPELESS};
 use glam::DVec3;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::slice::from_ref;
+use std::sync::Arc;
 
 /// The ratio of one scale that is tried to the next: the alignment finds a scale that is off by half of
 /// it, and rings that are stretched by 5 % still look alike to the search.
@@ -36,18 +37,6 @@ const SEEN: usize = 64;
 
 /// The transforms of each of some windows.
 pub type Transforms = Arc<Vec<Vec<Rigid>>>;
-
-/// What was found so far, so that the next candidate takes no search.
-#[derive(Default)]
-pub struct Kept {
-    scaled: Mutex<Vec<ScaledSearch>>,
-    ranked: Mutex<Vec<Ranking>>,
-}
-
-/// What was looked for, in which range of scales, and what was found.
-type ScaledSearch = (Vec<Sought>, [f64; 2], Transforms);
-/// The same of the candidates of one window.
-type Ranking = (Sought, Option<[f64; 2]>, Arc<Vec<Rigid>>);
 
 /// The scales at which exemplars are as large as the mesh, by their areas: an intact twin's, nearly.
 pub fn guess_scales(area: f64, exemplar: Option<&Exemplar>) -> Vec<f64> {
@@ -73,9 +62,8 @@ pub fn transforms(
         return Ok(Arc::new(vec![vec![placed(library, placement, targets)]; targets.len()]));
     }
     if let Some(range) = guidance.scales.filter(|&range| range != [1.0, 1.0]) {
-        return library
-            .kept
-            .scaled(targets, range, &|| search_scales(library, targets, range, threads, check));
+        let make = || search_scales(library, targets, range, threads, check);
+        return library.scaled.find(targets, Some(range), make);
     }
     let found = library.candidates(targets, threads, check)?;
     let transforms = |list: &Vec<Candidate>| list.iter().map(|c| c.transform).collect();
@@ -203,7 +191,7 @@ pub fn rank(
     target: &Target<'_>,
     look: &dyn Fn() -> Result<Option<RankedView>>,
 ) -> Result<Arc<Vec<Rigid>>> {
-    library.kept.ranked(target, guidance.scales, &|| {
+    library.ranked.find(from_ref(target), guidance.scales, || {
         let Some(RankedView { copies }) = look()? else { return Ok(Arc::default()) };
         let transforms = copies.into_iter();
         Ok(Arc::new(distinct(transforms, target.fill, SAME * target.radius, usize::MAX)))
@@ -224,43 +212,6 @@ impl RankedView {
         let worst = HOPELESS * view.fitted.plate_error;
         order.retain(|&k| painted || view.fitted.error[k] <= worst);
         Self { copies: order.iter().map(|&k| view.copies[k].transform).collect() }
-    }
-}
-
-impl Kept {
-    fn scaled(
-        &self,
-        targets: &[Target<'_>],
-        range: [f64; 2],
-        make: &dyn Fn() -> Result<Transforms>,
-    ) -> Result<Transforms> {
-        let lock = || self.scaled.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |k: &&ScaledSearch| {
-            k.1 == range
-                && k.0.len() == targets.len()
-                && k.0.iter().zip(targets).all(|(s, t)| s.is(t))
-        };
-        if let Some((_, _, found)) = lock().iter().find(same) {
-            return Ok(found.clone());
-        }
-        let made = make()?;
-        lock().push((targets.iter().map(Sought::of).collect(), range, made.clone()));
-        Ok(made)
-    }
-
-    fn ranked(
-        &self,
-        target: &Target<'_>,
-        scales: Option<[f64; 2]>,
-        make: &dyn Fn() -> Result<Arc<Vec<Rigid>>>,
-    ) -> Result<Arc<Vec<Rigid>>> {
-        let lock = || self.ranked.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, _, found)) = lock().iter().find(|k| k.1 == scales && k.0.is(target)) {
-            return Ok(found.clone());
-        }
-        let made = make()?;
-        lock().push((Sought::of(target), scales, made.clone()));
-        Ok(made)
     }
 }
 

@@ -1,11 +1,12 @@
 //! What a coherent completion of a mesh copies from, its height maps by scale, and the searches made in
 //! it: kept between the holes of a call, and between the calls of a completer.
 
-use super::guided::{guess_scales, Kept};
+use super::guided::{guess_scales, Transforms};
+use super::searches::Searches;
 use crate::error::Result;
 use crate::matching::cloud::Cloud;
-use crate::matching::icp::RingPoint;
 use crate::matching::paint::Paint;
+use crate::matching::rigid::Rigid;
 use crate::matching::ring_pattern::Candidate;
 use crate::matching::search::{
     cloud_at, cloud_scale, find_candidates, radius_at, scale_of, Maps, Target,
@@ -13,7 +14,6 @@ use crate::matching::search::{
 use crate::matching::source::Source;
 use crate::mesh::MeshView;
 use crate::options::{Appearance, Sources};
-use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -27,44 +27,17 @@ pub struct Library {
     maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
     /// Of what is known, and of what was chosen.
     clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
-    /// What was searched for, and found: a hole that looks the same again is not searched again.
-    found: Mutex<Vec<(Vec<Sought>, Found)>>,
-    /// The same of guided searches.
-    pub kept: Kept,
+    found: Searches<Found>,
+    /// Searches among sources of other sizes.
+    pub scaled: Searches<Transforms>,
+    /// The candidates of a window, in order.
+    pub ranked: Searches<Arc<Vec<Rigid>>>,
     /// Scales at which the exemplars are as large as the mesh.
     pub guesses: Vec<f64>,
 }
 
 /// The candidates of each of some windows.
 pub type Found = Arc<Vec<Vec<Candidate>>>;
-
-/// Searches kept; a hole's takes some hundred kilobytes.
-const KEPT: usize = 256;
-
-/// All that the candidates of a window depend on, but the library.
-#[derive(PartialEq)]
-pub struct Sought {
-    centre: DVec3,
-    normal: DVec3,
-    radius: f64,
-    fill: Vec<DVec3>,
-    ring: Vec<RingPoint>,
-}
-
-impl Sought {
-    /// What is looked for with a target.
-    pub fn of(target: &Target<'_>) -> Self {
-        let Target { centre, normal, radius, .. } = *target;
-        Self { centre, normal, radius, fill: target.fill.into(), ring: target.ring.into() }
-    }
-
-    /// Whether it is what a target asks for.
-    pub fn is(&self, target: &Target<'_>) -> bool {
-        let Target { centre, normal, radius, fill, ring } = *target;
-        let place = (self.centre, self.normal, self.radius) == (centre, normal, radius);
-        place && self.fill == fill && self.ring == ring
-    }
-}
 
 impl Library {
     /// Of a mesh with these boundary vertices; maps are made when a hole first asks for them.
@@ -87,8 +60,9 @@ impl Library {
             mirrored: !sources.unmirrored,
             maps: Mutex::default(),
             clouds: Default::default(),
-            found: Mutex::default(),
-            kept: Kept::default(),
+            found: Searches::default(),
+            scaled: Searches::default(),
+            ranked: Searches::default(),
         })
     }
 
@@ -97,16 +71,24 @@ impl Library {
         self.chosen.as_ref().unwrap_or(&self.known)
     }
 
+    /// A cloud of what is known (0) or was chosen (1).
+    fn cloud(
+        &self,
+        source: &Source,
+        kept: usize,
+        radius: f64,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Arc<Cloud>> {
+        let key = cloud_scale(source, radius);
+        once(&self.clouds[kept], key, || cloud_at(source, key, check))
+    }
+
     fn maps(&self, radius: f64, check: &dyn Fn() -> Result<()>) -> Result<Arc<Maps>> {
         let edge = self.known.edge;
         let scale = scale_of(edge, radius);
         let radius = radius_at(edge, scale);
-        let cloud = |source: &Source, kept: usize| {
-            let key = cloud_scale(source, radius);
-            once(&self.clouds[kept], key, || cloud_at(source, key, check))
-        };
-        let known = cloud(&self.known, 0)?;
-        let chosen = self.chosen.as_ref().map(|s| cloud(s, 1)).transpose()?;
+        let known = self.cloud(&self.known, 0, radius, check)?;
+        let chosen = self.chosen.as_ref().map(|s| self.cloud(s, 1, radius, check)).transpose()?;
         let of_source = chosen.unwrap_or_else(|| known.clone());
         let make = || Maps::new(self.source(), radius, of_source, known, self.mirrored, check);
         once(&self.maps, scale, make)
@@ -121,8 +103,7 @@ impl Library {
     ) -> Result<Maps> {
         let edge = self.known.edge;
         let radius = radius_at(edge, scale_of(edge, radius));
-        let key = cloud_scale(&self.known, radius);
-        let known = once(&self.clouds[0], key, || cloud_at(&self.known, key, check))?;
+        let known = self.cloud(&self.known, 0, radius, check)?;
         let own = Arc::new(cloud_at(source, cloud_scale(source, radius), check)?);
         Maps::new(source, radius, own, known, self.mirrored, check)
     }
@@ -135,23 +116,13 @@ impl Library {
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Found> {
         let Some(first) = targets.first() else { return Ok(Found::default()) };
-        let lock = || self.found.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |kept: &&(Vec<Sought>, Found)| {
-            kept.0.len() == targets.len() && kept.0.iter().zip(targets).all(|(s, t)| s.is(t))
-        };
-        if let Some((_, found)) = lock().iter().find(same) {
-            return Ok(found.clone());
-        }
-        let maps = self.maps(first.radius, &|| check(0.0))?;
-        check(0.1)?;
-        let late = |part: f64| check(0.1 + 0.9 * part);
-        let made = find_candidates(&self.known, self.source(), &maps, targets, threads, &late)?;
-        let made = Arc::new(made);
-        let mut kept = lock();
-        if kept.len() < KEPT {
-            kept.push((targets.iter().map(Sought::of).collect(), made.clone()));
-        }
-        Ok(made)
+        self.found.find(targets, None, || {
+            let maps = self.maps(first.radius, &|| check(0.0))?;
+            check(0.1)?;
+            let late = |part: f64| check(0.1 + 0.9 * part);
+            let (known, source) = (&self.known, self.source());
+            find_candidates(known, source, &maps, targets, threads, &late).map(Arc::new)
+        })
     }
 }
 

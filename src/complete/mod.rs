@@ -9,10 +9,12 @@ pub mod harary;
 mod initial;
 mod library;
 mod pulled;
+mod searches;
 mod smooth;
 mod workers;
 
 use crate::error::{Error, Result};
+use crate::fill::patch::Patch;
 use crate::fill::sheet::Incidence;
 use crate::guidance::Guidance;
 use crate::holes::select::select_holes;
@@ -32,7 +34,7 @@ use glam::DVec3;
 use initial::InitialFaces;
 use library::Library;
 use pulled::{pull_fill, share_points};
-use smooth::{fill_hole, Fill, Surroundings};
+use smooth::{fill_hole, Fill, Story, Surroundings};
 use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -124,12 +126,15 @@ impl<'a> Completer<'a> {
         if let Some((_, library)) = kept.as_ref().filter(|k| same(&k.0)) {
             return Ok(library.clone());
         }
-        let rims: Vec<u32> =
-            self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect();
-        let library = Library::new(self.mesh, &rims, sources, appearance.as_deref(), check)?;
+        let library = Library::new(self.mesh, &self.rims(), sources, appearance.as_deref(), check)?;
         let library = Arc::new(library);
         *kept = Some(((sources.clone(), appearance.clone()), library.clone()));
         Ok(library)
+    }
+
+    /// All vertices of boundary loops.
+    fn rims(&self) -> Vec<u32> {
+        self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect()
     }
 
     /// The part of a coherent fill that making the library is, as it seems from here.
@@ -352,16 +357,10 @@ impl<'a> Completer<'a> {
         let made = workers::beside(monitor, "continuing what the object shows", &|inner, done| {
             harary::complete_holes_harary(self.mesh, &initial, inner, done)
         })?;
-        let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &[] };
         for (fill, coherent) in fills.iter_mut().zip(made) {
             fill.coherence_error = Some(coherent.errors).filter(|e| e[0].is_finite());
-            for patch in coherent.patches {
-                monitor.check()?;
-                if let Ok(settled) = obstacles.settle(around, patch, &|| monitor.check())? {
-                    (fill.patch, fill.method) = (settled, Method::Harary);
-                    break;
-                }
-            }
+            let offered = coherent.patches.into_iter().map(|patch| (patch, None));
+            self.settle_first(around, boxes, fill, Method::Harary, offered, monitor)?;
         }
         Ok(())
     }
@@ -378,10 +377,8 @@ impl<'a> Completer<'a> {
     ) -> Result<()> {
         let mut fills = filled(outcomes);
         let initial = initial_of(around, &fills);
-        let rims: Vec<u32> =
-            self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect();
         let asked = fragment::Asked {
-            rims: &rims,
+            rims: &self.rims(),
             of_points: self.of_points,
             mirrored: !options.sources.unmirrored,
             threads: thread_count(options.threads),
@@ -389,14 +386,29 @@ impl<'a> Completer<'a> {
         let made = workers::beside(monitor, "copying fragments", &|inner, done| {
             fragment::complete_holes(self.mesh, &initial, &asked, inner, done)
         })?;
-        let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &[] };
         for (fill, completed) in fills.iter_mut().zip(made) {
-            for (patch, story) in completed.patches {
-                monitor.check()?;
-                if let Ok(patch) = obstacles.settle(around, patch, &|| monitor.check())? {
-                    (fill.patch, fill.story, fill.method) = (patch, Some(story), Method::Fragment);
-                    break;
-                }
+            let offered = completed.patches.into_iter().map(|(patch, story)| (patch, Some(story)));
+            self.settle_first(around, boxes, fill, Method::Fragment, offered, monitor)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the first of some patches that keeps the contract; the fill stands if none does.
+    fn settle_first(
+        &self,
+        around: &Surroundings<'_>,
+        boxes: &[Bounds],
+        fill: &mut Fill,
+        method: Method,
+        offered: impl Iterator<Item = (Patch, Option<Story>)>,
+        monitor: &Monitor,
+    ) -> Result<()> {
+        let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &[] };
+        for (patch, story) in offered {
+            monitor.check()?;
+            if let Ok(patch) = obstacles.settle(around, patch, &|| monitor.check())? {
+                (fill.patch, fill.story, fill.method) = (patch, story, method);
+                break;
             }
         }
         Ok(())

@@ -163,24 +163,23 @@ pub fn fill_hole(
         triangulate(&outline.positions, &outline.sizes, &polygon, ALL_PAIRS[round], &mut pace)
     };
     let mut rounds: Vec<usize> = (0..ALL_PAIRS.len()).filter(|&r| is_another(r)).collect();
-    let mut ready = search(0)?;
+    let mut ready = Some(search(0)?);
     // What would be larger than much of the mesh is not begun before a look at what comes next.
-    if ready.as_ref().is_some_and(|f| rounds.len() > 1 && is_vast(around, &outline, f)) {
-        let next = search(rounds[1])?;
-        let area = |f: &Option<Patch>| f.as_ref().map_or(f64::INFINITY, Patch::area);
-        if area(&next) < DETOUR * area(&ready) {
-            ready = next;
-            rounds.swap(0, 1);
+    if let (Some(Some(first)), Some(&second)) = (&ready, rounds.get(1)) {
+        if is_vast(around, &outline, first) {
+            let next = search(second)?;
+            if next.as_ref().is_some_and(|next| next.area() < DETOUR * first.area()) {
+                ready = Some(next);
+                rounds.swap(0, 1);
+            }
         }
     }
     for round in rounds {
-        let first = match ready.take() {
-            Some(first) => first,
-            None => match search(round)? {
-                Some(first) => first,
-                None => continue,
-            },
+        let found = match ready.take() {
+            Some(found) => found,
+            None => search(round)?,
         };
+        let Some(first) = found else { continue };
         check(0.2)?;
         // What the plain attempts start from, refined once.
         let mut refined = Refined::Not;

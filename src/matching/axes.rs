@@ -1,54 +1,73 @@
 //! The principal axes of a surface: directions that move with it, so that what is thinned into cells or
 //! turned into bins by them moves with it, too.
 
+use crate::error::Result;
+use crate::progress::Pace;
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SymmetricEigen};
 
+/// Elementary steps that a pass takes for a face.
+const FACE: usize = 8;
+
 /// Three right-handed unit axes as columns, that of the greatest spread of the area first; the first two
 /// point to where the surface reaches farther. Any three where there is no area or too much of it.
-pub fn principal_axes(positions: &[DVec3], faces: &[[u32; 3]]) -> DMat3 {
-    let parts = || {
-        faces.iter().map(|f| {
-            let [a, b, c] = f.map(|v| positions[v as usize]);
-            (0.5 * (b - a).cross(c - a).length(), (a + b + c) / 3.0)
-        })
+/// Linear; asks `check` now and then whether to go on.
+pub fn principal_axes(
+    positions: &[DVec3],
+    faces: &[[u32; 3]],
+    check: &dyn Fn() -> Result<()>,
+) -> Result<DMat3> {
+    let mut pace = Pace::new(check);
+    let mut each = |sum: &mut dyn FnMut(f64, DVec3)| -> Result<()> {
+        for face in faces {
+            pace.work(FACE)?;
+            let [a, b, c] = face.map(|v| positions[v as usize]);
+            sum(0.5 * (b - a).cross(c - a).length(), (a + b + c) / 3.0);
+        }
+        Ok(())
     };
-    let (area, sum) = parts().fold((0.0, DVec3::ZERO), |s, (w, p)| (s.0 + w, s.1 + w * p));
+    let (mut area, mut sum) = (0.0, DVec3::ZERO);
+    each(&mut |w, p| (area, sum) = (area + w, sum + w * p))?;
     let mean = sum / area;
-    let spread = parts().fold(DMat3::ZERO, |s, (w, p)| {
+    let mut spread = DMat3::ZERO;
+    each(&mut |w, p| {
         let d = p - mean;
-        s + w * DMat3::from_cols(d.x * d, d.y * d, d.z * d)
-    });
+        spread += w * DMat3::from_cols(d.x * d, d.y * d, d.z * d);
+    })?;
     if !spread.is_finite() {
-        return DMat3::IDENTITY;
+        return Ok(DMat3::IDENTITY);
     }
     let eigen = SymmetricEigen::new(Matrix3::from_column_slice(&spread.to_cols_array()));
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    let axis = |k: usize| {
-        let column = eigen.eigenvectors.column(order[k]);
-        let axis = DVec3::new(column[0], column[1], column[2]).normalize_or_zero();
-        // The third moment says which end is which.
-        let skew: f64 = parts().map(|(w, p)| w * (p - mean).dot(axis).powi(3)).sum();
+    let mut two = [order[0], order[1]].map(|k| {
+        let column = eigen.eigenvectors.column(k);
+        DVec3::new(column[0], column[1], column[2]).normalize_or_zero()
+    });
+    // The third moments say which end is which.
+    let mut skew = [0.0; 2];
+    each(&mut |w, p| (0..2).for_each(|k| skew[k] += w * (p - mean).dot(two[k]).powi(3)))?;
+    for (axis, skew) in two.iter_mut().zip(skew) {
         if skew < 0.0 {
-            -axis
-        } else {
-            axis
+            *axis = -*axis;
         }
-    };
-    let (x, y) = (axis(0), axis(1));
-    let axes = DMat3::from_cols(x, y, x.cross(y));
-    if (axes.determinant() - 1.0).abs() < 1e-6 {
-        axes
-    } else {
-        DMat3::IDENTITY
     }
+    let [x, y] = two;
+    let axes = DMat3::from_cols(x, y, x.cross(y));
+    Ok(match (axes.determinant() - 1.0).abs() < 1e-6 {
+        true => axes,
+        false => DMat3::IDENTITY,
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::source::tests::{hilly_source, some_transform};
     use super::*;
+
+    fn principal_axes(positions: &[DVec3], faces: &[[u32; 3]]) -> DMat3 {
+        super::principal_axes(positions, faces, &|| Ok(())).unwrap()
+    }
 
     #[test]
     fn axes_move_with_the_surface() {

@@ -101,22 +101,8 @@ fn improve(
     hints: &mut [Hint],
 ) -> Option<Rigid> {
     let paint = worth(source);
-    let mut pairs: Vec<(f64, DVec3, DVec3, f64, DVec3)> = Vec::with_capacity(ring.len());
-    for (&(p, n, tint), hint) in ring.iter().zip(hints) {
-        let (p, n) = (back.point(p), back.direction(n));
-        if let Some((q, m, other, slope)) = find_partner(source, p, partner, radius, hint) {
-            if n.dot(m) > AGREE {
-                let off = tint - other - slope.dot(p - q);
-                pairs.push(((q - p).dot(m), p, m, paint * off, paint * slope));
-            }
-        }
-    }
-    if pairs.len() < 12 {
-        return None;
-    }
-    pairs.sort_by(|a, b| (a.0.abs() + a.3.abs()).total_cmp(&(b.0.abs() + b.3.abs())));
-    pairs.truncate((keep * pairs.len() as f64) as usize);
-    let middle = pairs.iter().map(|p| p.1).sum::<DVec3>() / pairs.len() as f64;
+    let pairing = Pairing { source, partner, radius, keep, paint };
+    let (pairs, middle) = pairing.find(ring, back, hints)?;
     let (mut a, mut b) = (Matrix6::<f64>::zeros(), Vector6::<f64>::zeros());
     let mut add = |gap: f64, p: DVec3, m: DVec3| {
         let c = (p - middle).cross(m);
@@ -124,14 +110,14 @@ fn improve(
         a += row * row.transpose();
         b += gap * row;
     };
-    for &(gap, p, m, off, slope) in &pairs {
-        add(gap, p, m);
+    for pair in &pairs {
+        add(pair.gap, pair.place, pair.normal);
         if paint > 0.0 {
-            add(off, p, slope);
+            add(pair.off, pair.place, pair.slope);
         }
     }
     // A plane or a cylinder leaves directions free: they stay as they are.
-    let scale = pairs.iter().map(|p| p.1.distance_squared(middle)).sum::<f64>();
+    let scale = pairs.iter().map(|p| p.place.distance_squared(middle)).sum::<f64>();
     for k in 0..6 {
         a[(k, k)] += 1e-6 * if k < 3 { scale } else { pairs.len() as f64 };
     }
@@ -146,6 +132,67 @@ fn improve(
         shift = shift.clamp_length_max(0.2 * radius);
     }
     Some(Rigid { linear: rotation, translation: middle + shift - rotation * middle })
+}
+
+/// A ring point and its partner on the source.
+pub struct Pair {
+    /// Where the ring point is now.
+    pub place: DVec3,
+    /// The partner's normal.
+    pub normal: DVec3,
+    /// How far the partner is along it.
+    pub gap: f64,
+    /// The same of the tints, in mesh units, and the slope they change by.
+    pub off: f64,
+    /// See `off`.
+    pub slope: DVec3,
+}
+
+/// Fewest pairs for an alignment.
+const LEAST_PAIRS: usize = 12;
+
+/// How partners are looked for.
+pub struct Pairing<'a> {
+    /// Where.
+    pub source: &'a Source,
+    /// What they are.
+    pub partner: Partner,
+    /// How far they may lie, in units of the source.
+    pub radius: f64,
+    /// The share of the pairs used, the nearest ones.
+    pub keep: f64,
+    /// What a difference of 1 in tint is worth, in units of the source.
+    pub paint: f64,
+}
+
+impl Pairing<'_> {
+    /// The nearest of the pairs whose normals agree, and the middle of their places; `None` if there are too
+    /// few. `back`: from the ring to the source.
+    pub fn find(
+        &self,
+        ring: &[RingPoint],
+        back: &Rigid,
+        hints: &mut [Hint],
+    ) -> Option<(Vec<Pair>, DVec3)> {
+        let &Self { source, partner, radius, keep, paint } = self;
+        let mut pairs: Vec<Pair> = Vec::with_capacity(ring.len());
+        for (&(p, n, tint), hint) in ring.iter().zip(hints) {
+            let (place, n) = (back.point(p), back.direction(n).normalize_or_zero());
+            let met = find_partner(source, place, partner, radius, hint);
+            if let Some((q, normal, other, slope)) = met.filter(|met| n.dot(met.1) > AGREE) {
+                let (gap, off) = ((q - place).dot(normal), tint - other - slope.dot(place - q));
+                pairs.push(Pair { place, normal, gap, off: paint * off, slope: paint * slope });
+            }
+        }
+        if pairs.len() < LEAST_PAIRS {
+            return None;
+        }
+        let apart = |p: &Pair| p.gap.abs() + p.off.abs();
+        pairs.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
+        pairs.truncate((keep * pairs.len() as f64) as usize);
+        let middle = pairs.iter().map(|p| p.place).sum::<DVec3>() / pairs.len() as f64;
+        Some((pairs, middle))
+    }
 }
 
 /// What a difference of 1 in tint is worth, in mesh units; 0 without colours.

@@ -85,12 +85,17 @@ impl Object {
 
     /// Mean edge length, in mesh units; an edge counts once for each of its faces.
     pub fn mean_edge(&self) -> f64 {
-        let length = |f: &[u32; 3]| {
-            let p = f.map(|v| self.positions[v as usize]);
-            p[0].distance(p[1]) + p[1].distance(p[2]) + p[2].distance(p[0])
-        };
-        self.faces.iter().map(length).sum::<f64>() / (3 * self.faces.len().max(1)) as f64
+        mean_edge(&self.positions, &self.faces)
     }
+}
+
+/// Mean edge length of a mesh, in mesh units; an edge counts once for each of its faces.
+pub fn mean_edge(positions: &[DVec3], faces: &[[u32; 3]]) -> f64 {
+    let length = |f: &[u32; 3]| {
+        let p = f.map(|v| positions[v as usize]);
+        p[0].distance(p[1]) + p[1].distance(p[2]) + p[2].distance(p[0])
+    };
+    faces.iter().map(length).sum::<f64>() / (3 * faces.len().max(1)) as f64
 }
 
 /// The completion of one hole while it changes. It replaces the object's own faces of that hole.

@@ -5,7 +5,7 @@
 //! is an unknown of the same linear system as turn and shift: on a bent ring neither is right without
 //! the others. A run that changes the scale much is given up: all points drawn together fit anywhere.
 
-use super::icp::{find_partner, worth, Hint, Partner, RingPoint, AGREE, KEEP};
+use super::icp::{find_partner, worth, Hint, Pairing, Partner, RingPoint, KEEP};
 use super::rigid::Rigid;
 use super::source::{PointTree, Source};
 use crate::error::Result;
@@ -21,8 +21,6 @@ const STILL: f64 = 1e-9;
 const MOST: f64 = 1.2;
 /// Where shape alone moves a point by less than this, in edges, it is more exact than the colours.
 const NEAR: f64 = 0.2;
-/// Fewest pairs for the seven unknowns, as many as [`super::icp`] asks for.
-const LEAST_PAIRS: usize = 12;
 
 /// By how much a transform scales: the cube root of its determinant's size.
 pub fn scale_of(transform: &Rigid) -> f64 {
@@ -135,9 +133,6 @@ fn run(
     }
 }
 
-/// A pair: the gap along the normal, where the ring point is now, and the direction it counts along.
-type Row = (f64, DVec3, DVec3);
-
 fn improve(
     source: &Source,
     ring: &[RingPoint],
@@ -147,37 +142,24 @@ fn improve(
     paint: f64,
     hints: &mut [Hint],
 ) -> Option<Rigid> {
-    let mut pairs: Vec<(Row, Row)> = Vec::with_capacity(ring.len());
-    for (&(p, n, tint), hint) in ring.iter().zip(hints) {
-        let (p, n) = (back.point(p), back.direction(n).normalize_or_zero());
-        let met = find_partner(source, p, Partner::Surface, reach, hint);
-        if let Some((q, m, other, slope)) = met.filter(|met| n.dot(met.1) > AGREE) {
-            let off = tint - other - slope.dot(p - q);
-            pairs.push((((q - p).dot(m), p, m), (paint * off, p, paint * slope)));
-        }
-    }
-    if pairs.len() < LEAST_PAIRS {
-        return None;
-    }
-    let off = |p: &(Row, Row)| p.0 .0.abs() + p.1 .0.abs();
-    pairs.sort_by(|a, b| off(a).total_cmp(&off(b)));
-    pairs.truncate((KEEP * pairs.len() as f64) as usize);
-    let middle = pairs.iter().map(|p| p.0 .1).sum::<DVec3>() / pairs.len() as f64;
+    let partner = Partner::Surface;
+    let pairing = Pairing { source, partner, radius: reach, keep: KEEP, paint };
+    let (pairs, middle) = pairing.find(ring, back, hints)?;
     let (mut a, mut b) = (SMatrix::<f64, 7, 7>::zeros(), SVector::<f64, 7>::zeros());
-    let mut add = |(gap, p, m): Row| {
+    let mut add = |gap: f64, p: DVec3, m: DVec3| {
         let (c, d) = ((p - middle).cross(m), if with_scale { (p - middle).dot(m) } else { 0.0 });
         let row = SVector::<f64, 7>::from([c.x, c.y, c.z, m.x, m.y, m.z, d]);
         a += row * row.transpose();
         b += gap * row;
     };
-    for &(of_shape, of_colour) in &pairs {
-        add(of_shape);
+    for pair in &pairs {
+        add(pair.gap, pair.place, pair.normal);
         if paint > 0.0 {
-            add(of_colour);
+            add(pair.off, pair.place, pair.slope);
         }
     }
     // Directions that a plane or a cylinder leaves free stay as they are.
-    let extent = pairs.iter().map(|p| p.0 .1.distance_squared(middle)).sum::<f64>();
+    let extent = pairs.iter().map(|p| p.place.distance_squared(middle)).sum::<f64>();
     for k in 0..7 {
         a[(k, k)] += 1e-6 * if (3..6).contains(&k) { pairs.len() as f64 } else { extent };
     }

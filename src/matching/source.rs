@@ -340,7 +340,7 @@ impl Parts {
             points: PointTree::new(&positions, ids, &|part| check(0.5 + 0.5 * part))?,
             area,
             edge,
-            axes: principal_axes(&positions, &faces),
+            axes: principal_axes(&positions, &faces, &|| check(0.2))?,
             positions,
             normals,
             faces,

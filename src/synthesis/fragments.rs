@@ -11,6 +11,7 @@
 
 use super::hierarchy::Scale;
 use super::join::matrix;
+use crate::descriptor::ball::VertexGraph;
 use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::intersect::Bvh;
@@ -150,7 +151,7 @@ pub struct Filling<'a> {
     filled: Vec<Option<DVec3>>,
     tree: Bvh,
     confidence: Vec<f64>,
-    beside: Vec<Vec<u32>>,
+    graph: VertexGraph,
     /// What was copied at each vertex, into `pasted`.
     copies: Vec<Option<u32>>,
     pasted: Vec<Pasted>,
@@ -192,16 +193,7 @@ impl<'a> Filling<'a> {
             filled[v] = Some(scales[0].positions[origin[v] as usize]);
             confidence[v] = 1.0;
         }
-        let mut beside = vec![Vec::new(); guidance.len()];
-        for t in &patch.triangles {
-            for k in 0..3 {
-                beside[t[k] as usize].extend([t[(k + 1) % 3], t[(k + 2) % 3]]);
-            }
-        }
-        for list in &mut beside {
-            list.sort_unstable();
-            list.dedup();
-        }
+        let graph = VertexGraph::new(guidance.len(), &patch.triangles);
         let copies = vec![None; guidance.len()];
         let mut made = Self {
             scales,
@@ -213,7 +205,7 @@ impl<'a> Filling<'a> {
             filled,
             tree: Bvh::from_triangles(std::iter::empty()),
             confidence,
-            beside,
+            graph,
             copies,
             pasted: Vec::new(),
             threads,
@@ -260,7 +252,7 @@ impl<'a> Filling<'a> {
                 // Nothing serves: the coarser surface goes on here.
                 let at = self.guidance[b as usize];
                 let near = |i: usize| self.guidance[i].distance(at) < GIVEN_UP * radius;
-                let beside = &self.beside[b as usize];
+                let beside = self.graph.neighbours(b);
                 for i in 0..self.filled.len() {
                     if self.filled[i].is_none() && (near(i) || beside.contains(&(i as u32))) {
                         self.filled[i] = Some(self.guidance[i]);
@@ -291,10 +283,10 @@ impl<'a> Filling<'a> {
         let (rim, n) = (self.patch.rim_count, positions.len());
         let edge = self.candidates.fine.edge;
         let ratio = (edge / (SEAM * self.candidates.radius)).powi(2) / 4.0;
-        let beside = |i: usize| self.beside[i].iter().map(|&w| w as usize).collect();
+        let beside = |i: usize| self.beside(i).iter().map(|&w| w as usize).collect();
         let mut columns = vec![vec![0.0; n - rim]; 3];
         for i in rim..n {
-            let around = &self.beside[i];
+            let around = self.beside(i);
             let degree = around.len() as f64;
             let p = positions[i];
             let of_copy = |w: usize| self.copies[i].and_then(|c| self.copied(c, w));
@@ -343,11 +335,15 @@ impl<'a> Filling<'a> {
         Some(p + h * n)
     }
 
+    fn beside(&self, i: usize) -> &[u32] {
+        self.graph.neighbours(i as u32)
+    }
+
     /// Filled vertices beside empty ones, ascending.
     fn frontier(&self) -> impl Iterator<Item = u32> + '_ {
         let empty = |&w: &u32| self.filled[w as usize].is_none();
         let is_open = move |v: &u32| {
-            self.filled[*v as usize].is_some() && self.beside[*v as usize].iter().any(empty)
+            self.filled[*v as usize].is_some() && self.graph.neighbours(*v).iter().any(empty)
         };
         (0..self.filled.len() as u32).filter(is_open)
     }
@@ -461,7 +457,7 @@ impl<'a> Filling<'a> {
     /// Transforms by which vertices near a place were copied, at this scale and the coarser one.
     fn neighbours(&self, v: u32, before: Option<&Filled>) -> Vec<Rigid> {
         let near: Vec<u32> =
-            std::iter::once(v).chain(self.beside[v as usize].iter().copied()).collect();
+            std::iter::once(v).chain(self.graph.neighbours(v).iter().copied()).collect();
         let mut found: Vec<Rigid> = Vec::new();
         let here = (&self.copies, &self.pasted);
         let lists = std::iter::once(here).chain(before.map(|b| (&b.copies, &b.pasted)));
@@ -487,7 +483,8 @@ impl<'a> Filling<'a> {
     /// δ of an aligned source; `None` where it does not cover the target.
     fn judge(&self, own: &Fragment, transform: &Rigid) -> Option<f64> {
         let source = self.candidates.look(back(transform, &own.frame));
-        own.distance(&source, &Turned::new(0, false))
+        // The first is turned by nothing.
+        own.distance(&source, &self.candidates.turns[0].2)
     }
 
     /// Lays the empty vertices of a target onto its copy; whether there was one that could be.
@@ -507,7 +504,7 @@ impl<'a> Filling<'a> {
         let mut any = false;
         let confidence = own.fine.mean_confidence();
         while let Some(v) = queue.pop() {
-            for w in self.beside[v as usize].clone() {
+            for &w in self.graph.neighbours(v) {
                 let i = w as usize;
                 if std::mem::replace(&mut seen[i], true) || self.filled[i].is_some() {
                     continue;
