@@ -63,8 +63,8 @@ impl Guidance {
         if let Some((name, _)) = given.iter().find(|g| g.1).filter(|_| method != Method::Coherent) {
             return bad(name, format!("the method {} cannot be guided", method.name()));
         }
-        if !points.is_empty() && method == Method::Harary {
-            return bad("points", "the method harary takes none".into());
+        if !points.is_empty() && !matches!(method, Method::Coherent | Method::Smooth) {
+            return bad("points", format!("the method {} takes none", method.name()));
         }
         if let Some(i) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return bad("points", format!("point {i} has a coordinate that is not finite"));
@@ -160,6 +160,10 @@ mod tests {
             refused(Guidance { scales: Some(scales), ..none() }, coherent, "scales");
         }
         refused(Guidance { candidate: 2, ..none() }, Method::Smooth, "candidate");
+        let points: Arc<[[f64; 3]]> = Arc::new([[0.0; 3]]);
+        for method in [Method::Harary, Method::Fragment] {
+            refused(Guidance { points: points.clone(), ..none() }, method, "points");
+        }
         assert_eq!(none().check(Method::Smooth), Ok(()));
     }
 }
