@@ -5,7 +5,6 @@ use super::error::{Failure, Status};
 use super::options::{flag, COptions};
 use crate::guidance::{Guidance, Placement};
 use crate::matching::rigid::Rigid;
-use glam::{DMat3, DVec3};
 
 impl COptions {
     /// The guidance, every number checked.
@@ -20,7 +19,9 @@ impl COptions {
             false => {
                 // SAFETY: the caller of this function answers for the array.
                 let numbers = unsafe { array("placement", self.placement, 12) }?;
-                Some(Placement { transform: transform(&numbers), refined })
+                let row = |i: usize| [0, 1, 2, 3].map(|j| numbers[4 * i + j]);
+                let transform = Rigid::from_rows([0, 1, 2].map(row));
+                Some(Placement { transform, refined })
             }
         };
         // A bound that is 0 was not set.
@@ -39,11 +40,4 @@ impl COptions {
 
 fn alone(field: &str, other: &str) -> Failure {
     Failure::new(Status::InvalidOption, format!("option {field}: it needs {other}"))
-}
-
-/// Of three rows of four numbers.
-fn transform(rows: &[f64]) -> Rigid {
-    let column = |j: usize| DVec3::new(rows[j], rows[4 + j], rows[8 + j]);
-    let linear = DMat3::from_cols(column(0), column(1), column(2));
-    Rigid { linear, translation: column(3) }
 }

@@ -201,14 +201,11 @@ fn info(hole: &Hole, is_unsafe: bool, report: Option<&HoleReport>) -> CHole {
 }
 
 fn source(report: &SourceReport) -> CSource {
-    let (linear, translation) = (report.transform.linear, report.transform.translation);
+    let rows = report.transform.rows();
     CSource {
         struct_size: size_of::<CSource>() as u32,
         mirrored: u32::from(report.transform.is_mirrored()),
-        transform: std::array::from_fn(|i| match (i / 4, i % 4) {
-            (row, 3) => translation[row],
-            (row, column) => linear.col(column)[row],
-        }),
+        transform: std::array::from_fn(|i| rows[i / 4][i % 4]),
         error: report.error,
         weight: report.weight,
         vertex_count: report.vertices,

@@ -5,7 +5,6 @@ use crate::guidance::{Guidance, Placement};
 use crate::io::Document;
 use crate::matching::rigid::Rigid;
 use clap::Args;
-use glam::{DMat3, DVec3};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -103,14 +102,13 @@ fn of_rows(rows: &[f64]) -> Result<Rigid, String> {
     if rows.len() != 12 && rows.len() != 16 {
         return Err(format!("{} numbers instead of 12 or 16", rows.len()));
     }
-    let column = |j: usize| DVec3::new(rows[j], rows[4 + j], rows[8 + j]);
-    let linear = DMat3::from_cols(column(0), column(1), column(2));
-    Ok(Rigid { linear, translation: column(3) })
+    Ok(Rigid::from_rows([0, 1, 2].map(|i| [0, 1, 2, 3].map(|j| rows[4 * i + j]))))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{DMat3, DVec3};
 
     #[test]
     fn transforms_are_rows() {

@@ -75,13 +75,8 @@ pub(super) struct SourceEntry {
 
 impl SourceEntry {
     fn of(source: &SourceReport) -> Self {
-        let (rows, t) = (source.transform.linear.transpose(), source.transform.translation);
-        let row = |i: usize| {
-            let r = rows.col(i);
-            [r.x, r.y, r.z, t[i]]
-        };
         Self {
-            transform: [0, 1, 2].map(row),
+            transform: source.transform.rows(),
             mirrored: source.transform.is_mirrored(),
             error: source.error,
             weight: source.weight,

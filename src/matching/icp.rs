@@ -11,7 +11,7 @@ use super::rigid::Rigid;
 use super::source::Source;
 use crate::intersect::closest_point_on_triangle;
 use glam::{DMat3, DQuat, DVec3};
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::{SMatrix, SVector};
 
 /// Least cosine between the normals of a pair.
 pub const AGREE: f64 = 0.3;
@@ -103,19 +103,10 @@ fn improve(
     let paint = worth(source);
     let pairing = Pairing { source, partner, radius, keep, paint };
     let (pairs, middle) = pairing.find(ring, back, hints)?;
-    let (mut a, mut b) = (Matrix6::<f64>::zeros(), Vector6::<f64>::zeros());
-    let mut add = |gap: f64, p: DVec3, m: DVec3| {
+    let (mut a, b) = normal_equations(&pairs, paint > 0.0, |p, m| {
         let c = (p - middle).cross(m);
-        let row = Vector6::new(c.x, c.y, c.z, m.x, m.y, m.z);
-        a += row * row.transpose();
-        b += gap * row;
-    };
-    for pair in &pairs {
-        add(pair.gap, pair.place, pair.normal);
-        if paint > 0.0 {
-            add(pair.off, pair.place, pair.slope);
-        }
-    }
+        [c.x, c.y, c.z, m.x, m.y, m.z]
+    });
     // A plane or a cylinder leaves directions free: they stay as they are.
     let scale = pairs.iter().map(|p| p.place.distance_squared(middle)).sum::<f64>();
     for k in 0..6 {
@@ -193,6 +184,28 @@ impl Pairing<'_> {
         let middle = pairs.iter().map(|p| p.place).sum::<DVec3>() / pairs.len() as f64;
         Some((pairs, middle))
     }
+}
+
+/// Σ r rᵀ and Σ gap r over the pairs, and over their colours if they are `painted`; `row` makes r of a place
+/// and the direction that the gap is along.
+pub fn normal_equations<const N: usize>(
+    pairs: &[Pair],
+    painted: bool,
+    row: impl Fn(DVec3, DVec3) -> [f64; N],
+) -> (SMatrix<f64, N, N>, SVector<f64, N>) {
+    let (mut a, mut b) = (SMatrix::zeros(), SVector::zeros());
+    let mut add = |gap: f64, place: DVec3, along: DVec3| {
+        let row = SVector::from(row(place, along));
+        a += row * row.transpose();
+        b += gap * row;
+    };
+    for pair in pairs {
+        add(pair.gap, pair.place, pair.normal);
+        if painted {
+            add(pair.off, pair.place, pair.slope);
+        }
+    }
+    (a, b)
 }
 
 /// What a difference of 1 in tint is worth, in mesh units; 0 without colours.

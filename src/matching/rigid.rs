@@ -18,6 +18,19 @@ impl Rigid {
     /// Moves nothing.
     pub const IDENTITY: Self = Self { linear: DMat3::IDENTITY, translation: DVec3::ZERO };
 
+    /// From three rows of four numbers, the last of each the translation's.
+    pub fn from_rows(rows: [[f64; 4]; 3]) -> Self {
+        let column = |j: usize| DVec3::from(rows.map(|row| row[j]));
+        let linear = DMat3::from_cols(column(0), column(1), column(2));
+        Self { linear, translation: column(3) }
+    }
+
+    /// Three rows of four numbers, the last of each the translation's.
+    pub fn rows(&self) -> [[f64; 4]; 3] {
+        let (linear, t) = (self.linear.transpose(), self.translation);
+        [0, 1, 2].map(|i| linear.col(i).extend(t[i]).to_array())
+    }
+
     /// Where a point goes.
     #[inline]
     pub fn point(&self, p: DVec3) -> DVec3 {

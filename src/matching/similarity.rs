@@ -5,13 +5,12 @@
 //! is an unknown of the same linear system as turn and shift: on a bent ring neither is right without
 //! the others. A run that changes the scale much is given up: all points drawn together fit anywhere.
 
-use super::icp::{find_partner, worth, Hint, Pairing, Partner, RingPoint, KEEP};
+use super::icp::{find_partner, normal_equations, worth, Hint, Pairing, Partner, RingPoint, KEEP};
 use super::rigid::Rigid;
 use super::source::{PointTree, Source};
 use crate::error::Result;
 use crate::intersect::Bvh;
 use glam::{DMat3, DQuat, DVec3};
-use nalgebra::{SMatrix, SVector};
 
 /// Steps at most; from a tenth of the radius it takes five to ten.
 const STEPS: usize = 40;
@@ -145,19 +144,10 @@ fn improve(
     let partner = Partner::Surface;
     let pairing = Pairing { source, partner, radius: reach, keep: KEEP, paint };
     let (pairs, middle) = pairing.find(ring, back, hints)?;
-    let (mut a, mut b) = (SMatrix::<f64, 7, 7>::zeros(), SVector::<f64, 7>::zeros());
-    let mut add = |gap: f64, p: DVec3, m: DVec3| {
+    let (mut a, b) = normal_equations(&pairs, paint > 0.0, |p, m| {
         let (c, d) = ((p - middle).cross(m), if with_scale { (p - middle).dot(m) } else { 0.0 });
-        let row = SVector::<f64, 7>::from([c.x, c.y, c.z, m.x, m.y, m.z, d]);
-        a += row * row.transpose();
-        b += gap * row;
-    };
-    for pair in &pairs {
-        add(pair.gap, pair.place, pair.normal);
-        if paint > 0.0 {
-            add(pair.off, pair.place, pair.slope);
-        }
-    }
+        [c.x, c.y, c.z, m.x, m.y, m.z, d]
+    });
     // Directions that a plane or a cylinder leaves free stay as they are.
     let extent = pairs.iter().map(|p| p.place.distance_squared(middle)).sum::<f64>();
     for k in 0..7 {

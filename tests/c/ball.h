@@ -13,8 +13,10 @@
 /* For the memory check, which runs some fifty times slower. */
 #ifdef SMALL_BALL
 enum { AROUND = 12, STACKS = 8, CAP = 2, PATCH_ROW = 3, PATCH_SIZE = 2, MANY = 4 };
+enum { FINE = 0 }; /* whether it is fine enough to hold bumps */
 #else
 enum { AROUND = 32, STACKS = 24, CAP = 4, PATCH_ROW = 11, PATCH_SIZE = 3, MANY = 8 };
+enum { FINE = 1 };
 #endif
 enum {
   RINGS = STACKS - CAP, /* rings at CAP, CAP + 1, ..., STACKS - 1 of STACKS */

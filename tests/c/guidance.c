@@ -2,13 +2,6 @@
 #include "suite.h"
 #include <math.h>
 
-/* Whether the mesh is fine enough to hold bumps. */
-#ifdef SMALL_BALL
-enum { FINE = 0 };
-#else
-enum { FINE = 1 };
-#endif
-
 static struct ball bumpy;
 static struct whole_ball whole, twin;
 
@@ -20,11 +13,7 @@ static complete_mesh_options with_twin(int mirrored, float scale) {
   move_away(&twin, mirrored);
   for (i = 0; i < WHOLE_VERTICES; ++i)
     for (k = 0; k < 3; ++k) twin.vertices[i][k] *= scale;
-  opts.exemplar_vertices = twin.vertices;
-  opts.exemplar_vertex_count = WHOLE_VERTICES;
-  opts.exemplar_faces = twin.faces[0];
-  opts.exemplar_face_count = WHOLE_FACES;
-  opts.exemplar_only = 1;
+  copy_only_from(&opts, &twin);
   return opts;
 }
 

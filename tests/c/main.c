@@ -21,6 +21,14 @@ complete_mesh_options defaults(void) {
   return opts;
 }
 
+void copy_only_from(complete_mesh_options *opts, const struct whole_ball *twin) {
+  opts->exemplar_vertices = twin->vertices;
+  opts->exemplar_vertex_count = WHOLE_VERTICES;
+  opts->exemplar_faces = twin->faces[0];
+  opts->exemplar_face_count = WHOLE_FACES;
+  opts->exemplar_only = 1;
+}
+
 static complete_mesh_result *complete(const struct ball *mesh, size_t faces,
                                       const complete_mesh_options *opts,
                                       complete_mesh_status *status) {

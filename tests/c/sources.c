@@ -3,13 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Whether the mesh is fine enough to hold bumps. */
-#ifdef SMALL_BALL
-enum { FINE = 0 };
-#else
-enum { FINE = 1 };
-#endif
-
 static struct ball bumpy;
 static struct whole_ball whole, twin;
 
@@ -51,11 +44,7 @@ static complete_mesh_options with_twin(int mirrored) {
   complete_mesh_options opts = defaults();
   twin = whole;
   move_away(&twin, mirrored);
-  opts.exemplar_vertices = twin.vertices;
-  opts.exemplar_vertex_count = WHOLE_VERTICES;
-  opts.exemplar_faces = twin.faces[0];
-  opts.exemplar_face_count = WHOLE_FACES;
-  opts.exemplar_only = 1;
+  copy_only_from(&opts, &twin);
   return opts;
 }
 

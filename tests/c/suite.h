@@ -35,6 +35,9 @@ complete_mesh_result *complete_ball(const complete_mesh_options *opts,
 complete_mesh_result *complete_sieve(const complete_mesh_options *opts,
                                      complete_mesh_status *status);
 
+/* Makes a whole ball the exemplar, and nothing else to be copied from. */
+void copy_only_from(complete_mesh_options *opts, const struct whole_ball *twin);
+
 /* A hole of a list; all zero if there is none. */
 complete_mesh_hole get_hole(const complete_mesh_holes *holes, size_t id);
 

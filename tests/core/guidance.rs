@@ -1,7 +1,7 @@
 //! Fills guided by hand: a transform, a candidate, a range of scales.
 
 use crate::checker::{check, complete_checked, filled_rims};
-use crate::meshes::{broken_vessel, sheet, Mesh};
+use crate::meshes::{broken_vessel, off, sheet, Mesh};
 use complete_mesh::intersect::Bvh;
 use complete_mesh::matching::rigid::Rigid;
 use complete_mesh::sample::{Break, Sample};
@@ -35,14 +35,6 @@ fn twin_of(mesh: &Mesh, to: &Rigid) -> Sources {
 
 fn placed(transform: Rigid, refined: bool) -> Guidance {
     Guidance { placement: Some(Placement { transform, refined }), ..Guidance::default() }
-}
-
-/// Greatest distance of the new vertices from a surface, in mean edges.
-fn off(made: &Completion, truth: &Mesh) -> f64 {
-    let corners: Vec<DVec3> = truth.vertices.iter().map(|&p| DVec3::from(p)).collect();
-    let tree = Bvh::new(&corners, &truth.faces);
-    let from = |p: &[f64; 3]| tree.closest_point(DVec3::from(*p), f64::INFINITY).unwrap().distance;
-    made.vertices.iter().map(from).fold(0.0, f64::max) / truth.mean_edge()
 }
 
 /// The way back given by hand is taken as it is and gives back what is missing, whatever the size; given

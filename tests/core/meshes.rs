@@ -1,7 +1,8 @@
 //! Hand-made meshes.
 
+use complete_mesh::intersect::Bvh;
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
-use complete_mesh::MeshView;
+use complete_mesh::{Completion, MeshView};
 use glam::{DQuat, DVec3};
 
 /// A mesh that owns its arrays.
@@ -124,4 +125,12 @@ pub fn tube(
         }
     }
     mesh.compact()
+}
+
+/// Greatest distance of the new vertices from a surface, in mean edges.
+pub fn off(made: &Completion, truth: &Mesh) -> f64 {
+    let corners: Vec<DVec3> = truth.vertices.iter().map(|&p| DVec3::from(p)).collect();
+    let tree = Bvh::new(&corners, &truth.faces);
+    let from = |p: &[f64; 3]| tree.closest_point(DVec3::from(*p), f64::INFINITY).unwrap().distance;
+    made.vertices.iter().map(from).fold(0.0, f64::max) / truth.mean_edge()
 }

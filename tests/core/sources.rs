@@ -1,8 +1,7 @@
 //! What may be copied from: part of the mesh, another mesh, nothing mirrored.
 
 use crate::checker::complete_checked;
-use crate::meshes::{broken_vessel, Mesh};
-use complete_mesh::intersect::Bvh;
+use crate::meshes::{broken_vessel, off, Mesh};
 use complete_mesh::result::NONE;
 use complete_mesh::sample::{Break, Sample};
 use complete_mesh::{
@@ -31,14 +30,6 @@ fn moved(mesh: &Mesh, mirrored: bool) -> Exemplar {
         faces: mesh.faces.iter().map(face).collect(),
         ..Exemplar::default()
     }
-}
-
-/// Greatest distance of the new vertices from a surface, in mean edges.
-fn off(made: &Completion, truth: &Mesh) -> f64 {
-    let corners: Vec<DVec3> = truth.vertices.iter().map(|&p| DVec3::from(p)).collect();
-    let tree = Bvh::new(&corners, &truth.faces);
-    let from = |p: &[f64; 3]| tree.closest_point(DVec3::from(*p), f64::INFINITY).unwrap().distance;
-    made.vertices.iter().map(from).fold(0.0, f64::max) / truth.mean_edge()
 }
 
 /// An intact twin, turned and moved, or mirrored: the fill is the twin's piece to a small part of an
