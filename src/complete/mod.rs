@@ -1,6 +1,7 @@
 //! The whole chain: the neighbourhood of the holes copied out, each hole filled, the fills put
 //! together.
 
+mod assemble;
 mod check;
 mod coherent;
 mod fragment;
@@ -21,12 +22,13 @@ use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
-use crate::options::{Appearance, Fairing, Grouping, Method, Options, Sources};
+use crate::options::{Appearance, Grouping, Method, Options, Sources};
 use crate::parallel::thread_count;
 #[cfg(feature = "capi")]
 pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
-use crate::result::{Completion, HoleReport, HoleStatus, Origin};
+use crate::result::Completion;
+use assemble::{assemble, blank};
 use check::{Obstacles, Rounding};
 use coherent::{Cost, Search};
 use cpu_time::ProcessTime;
@@ -217,7 +219,13 @@ impl<'a> Completer<'a> {
         monitor.step(0.95, "checking the fills against each other")?;
         let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
         self.part_fills(&around, &boxes, &holes, &mut outcomes, options, monitor)?;
-        let mut completion = self.assemble(&near, &wanted, &todo, outcomes, options)?;
+        let mut completion = assemble(
+            blank(self.mesh, &self.holes, &wanted),
+            &near,
+            &todo,
+            outcomes,
+            options.skip_unsafe,
+        )?;
         completion.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
         completion.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
         monitor.step(1.0, "done")?;
@@ -484,64 +492,6 @@ impl<'a> Completer<'a> {
         }
         Ok(())
     }
-
-    /// The result, holes in order of their ids.
-    fn assemble(
-        &self,
-        near: &Neighbourhood,
-        wanted: &[bool],
-        todo: &[&Hole],
-        outcomes: Vec<Outcome>,
-        options: &Options,
-    ) -> Result<Completion> {
-        let mut out = Completion {
-            input_vertex_count: self.mesh.vertices.len(),
-            input_face_count: self.mesh.faces.len(),
-            vertices: Vec::new(),
-            faces: Vec::new(),
-            vertex_hole: Vec::new(),
-            origins: Vec::new(),
-            face_hole: Vec::new(),
-            holes: self.holes.holes.iter().map(|h| blank_report(h, wanted[h.id])).collect(),
-            seconds: 0.0,
-            cpu_seconds: 0.0,
-        };
-        for (hole, outcome) in todo.iter().zip(outcomes) {
-            let (first_vertex, first_face) = (out.vertices.len(), out.faces.len());
-            let report = &mut out.holes[hole.id];
-            report.vertices = first_vertex..first_vertex;
-            report.faces = first_face..first_face;
-            match outcome {
-                Ok((mut fill, seconds)) => {
-                    let vertices = append(near, &mut fill, hole.id, &mut out)?;
-                    let report = &mut out.holes[hole.id];
-                    report.vertices = first_vertex..first_vertex + vertices;
-                    report.faces = first_face..out.faces.len();
-                    report.status = HoleStatus::Filled;
-                    report.method = fill.method;
-                    report.coherence_error = fill.coherence_error;
-                    report.fairing = fill.fairing;
-                    report.candidates = fill.candidates;
-                    if let Some(story) = fill.story {
-                        report.sources = story.sources;
-                        report.seams = story.seams;
-                        report.ring = story.ring;
-                        report.confidence = story.confidence;
-                    }
-                    report.seconds = seconds;
-                }
-                Err((reason, seconds)) => {
-                    let error = Error::HoleFailed { hole: hole.id, reason };
-                    if !options.skip_unsafe {
-                        return Err(error);
-                    }
-                    report.status = HoleStatus::Failed(error);
-                    report.seconds = seconds;
-                }
-            }
-        }
-        Ok(out)
-    }
 }
 
 /// The fills there are.
@@ -558,60 +508,4 @@ fn initial_of<'f>(around: &Surroundings<'_>, fills: &'f [&mut Fill]) -> Vec<hara
         taken: &fill.outline.taken,
     };
     fills.iter().map(one).collect()
-}
-
-fn blank_report(hole: &Hole, wanted: bool) -> HoleReport {
-    let status = match &hole.problem {
-        Some(problem) if wanted => HoleStatus::Unsafe(problem.clone()),
-        _ => HoleStatus::NotSelected,
-    };
-    HoleReport {
-        hole: hole.id,
-        loops: hole.loops.clone(),
-        status,
-        method: Method::Smooth,
-        fairing: Fairing::Auto,
-        sources: Vec::new(),
-        seams: Vec::new(),
-        ring: Vec::new(),
-        candidates: 0,
-        confidence: 0.0,
-        coherence_error: None,
-        vertices: 0..0,
-        faces: 0..0,
-        seconds: 0.0,
-    }
-}
-
-/// Appends a fill; returns how many vertices it has.
-fn append(
-    near: &Neighbourhood,
-    fill: &mut Fill,
-    hole: usize,
-    out: &mut Completion,
-) -> Result<usize> {
-    let rim = fill.patch.rim_count;
-    let base = out.input_vertex_count + out.vertices.len();
-    let new = &fill.patch.positions[rim..];
-    let limit = u32::MAX as usize - 1;
-    if base + new.len() > limit {
-        return Err(Error::TooLarge { what: "vertices", count: base + new.len(), limit });
-    }
-    out.vertices.extend(new.iter().map(|p| p.to_array()));
-    out.vertex_hole.resize(out.vertices.len(), hole as u32);
-    match &fill.story {
-        Some(story) => out.origins.extend_from_slice(&story.origins),
-        None => out.origins.resize(out.vertices.len(), Origin::NOWHERE),
-    }
-    let index = |v: u32| match (v as usize).checked_sub(rim) {
-        Some(i) => (base + i) as u32,
-        None => near.vertices[fill.outline.vertices[v as usize] as usize],
-    };
-    out.faces.extend(fill.patch.triangles.iter().map(|t| t.map(index)));
-    let seams = fill.story.iter_mut().flat_map(|s| &mut s.seams);
-    seams.for_each(|s| s.vertex = index(s.vertex));
-    let ring = fill.story.iter_mut().flat_map(|s| &mut s.ring);
-    ring.for_each(|s| s.vertex = near.vertices[s.vertex as usize]);
-    out.face_hole.resize(out.faces.len(), hole as u32);
-    Ok(new.len())
 }
