@@ -214,7 +214,10 @@ impl Document {
 
     /// Takes a file's bytes. Reserves no more memory than the bytes justify, whatever counts they
     /// claim.
-    pub fn parse(bytes: Vec<u8>, format: Format) -> Result<Document, IoError> {
+    pub fn parse(mut bytes: Vec<u8>, format: Format) -> Result<Document, IoError> {
+        if format == Format::Pcd {
+            bytes = pcd::unpack(bytes).map_err(|fault| fault.into_error(format))?;
+        }
         let read = match format {
             Format::Ply => ply::read(&bytes).map(|(l, m)| (Layout::Ply(l), m)),
             Format::Obj => obj::read(&bytes).map(|m| (Layout::Obj, m)),

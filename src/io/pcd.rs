@@ -1,5 +1,5 @@
-//! PCD of the Point Cloud Library, version 0.7, ascii and binary. Points whose coordinates are NaN
-//! stand for places where a scanner saw nothing.
+//! PCD of the Point Cloud Library, version 0.7: ascii, binary, and binary_compressed, which is unpacked to
+//! binary when it is read. Points whose coordinates are NaN stand for places where a scanner saw nothing.
 
 use super::attributes::{Blend, Patch};
 use super::edit::Edit;
@@ -14,7 +14,11 @@ use std::ops::Range;
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
     fields: Vec<Field>,
+    /// Bytes of each field of the header, all its numbers together.
+    widths: Vec<usize>,
     binary: bool,
+    /// Field by field, packed by LZF.
+    compressed: bool,
     points: usize,
     /// Where WIDTH, HEIGHT and POINTS stand in the header.
     width_at: Range<usize>,
@@ -92,6 +96,54 @@ fn value<'a>(line: &Line<'a>) -> (Vec<&'a [u8]>, Range<usize>) {
     (all.clone(), at..at + all.first().map_or(0, |w| w.len()))
 }
 
+/// A binary_compressed file as a binary one: the same points bit for bit, row by row. Others as they are.
+pub(super) fn unpack(bytes: Vec<u8>) -> Parsed<Vec<u8>> {
+    // What is wrong with a header is told when the file is read.
+    let Some(layout) = read_header(&bytes).ok().filter(|l| l.compressed) else {
+        return Ok(bytes);
+    };
+    let body = &bytes[layout.start..];
+    let sizes = body
+        .get(..8)
+        .map(|b| [0, 4].map(|i| u32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]])));
+    let Some([packed, whole]) = sizes.map(|s| s.map(|n| n as usize)) else {
+        return Fault::byte(bytes.len(), "the file is cut off before its compressed data");
+    };
+    let size = layout.row_size();
+    if layout.points.checked_mul(size) != Some(whole) {
+        let reason = format!("{whole} bytes are not {} points of {size}", layout.points);
+        return Fault::byte(layout.start + 4, reason);
+    }
+    let Some(data) = body[8..].get(..packed) else {
+        let (there, at) = (body.len() - 8, bytes.len());
+        return Fault::byte(
+            at,
+            format!("the file is cut off at byte {there} of {packed} compressed"),
+        );
+    };
+    // The format packs a byte into no fewer than a 90th: no small file asks for much memory.
+    if whole / 128 > packed {
+        return Fault::byte(layout.start, format!("{packed} bytes cannot hold {whole}"));
+    }
+    let mut columns = vec![0; whole];
+    if !lzf_rust::decompress(data, &mut columns).is_ok_and(|n| n == whole) {
+        return Fault::byte(layout.start + 8, "the compressed data is damaged");
+    }
+    const WORD: &[u8] = b"_compressed";
+    let word = bytes[..layout.start].windows(WORD.len()).rposition(|w| w == WORD).unwrap_or(0);
+    let mut made = Vec::with_capacity(layout.start + whole);
+    made.extend_from_slice(&bytes[..word]);
+    made.extend_from_slice(&bytes[word + WORD.len()..layout.start]);
+    for i in 0..layout.points {
+        let mut from = 0;
+        for &width in &layout.widths {
+            made.extend_from_slice(&columns[from + i * width..][..width]);
+            from += layout.points * width;
+        }
+    }
+    Ok(made)
+}
+
 pub(super) fn read(bytes: &[u8]) -> Parsed<(Layout, Mesh)> {
     let layout = read_header(bytes)?;
     let axes = ["x", "y", "z"].map(|n| layout.fields.iter().position(|f| f.name == n));
@@ -138,12 +190,15 @@ fn read_header(bytes: &[u8]) -> Parsed<Layout> {
             b"POINTS" => points = Some(number()?),
             b"VERSION" | b"VIEWPOINT" => {}
             b"DATA" => {
-                let binary = match all.first() {
-                    Some(&b"ascii") => false,
-                    Some(&b"binary") => true,
+                let (binary, compressed) = match all.first() {
+                    Some(&b"ascii") => (false, false),
+                    Some(&b"binary") => (true, false),
+                    Some(&b"binary_compressed") => (true, true),
                     other => {
                         let what = show(other.copied().unwrap_or_default());
-                        let reason = format!("data as {what} is not read; write ascii or binary");
+                        let reason = format!(
+                            "data as {what} is not read; write ascii, binary or binary_compressed"
+                        );
                         return Fault::line(line.number, reason);
                     }
                 };
@@ -156,9 +211,12 @@ fn read_header(bytes: &[u8]) -> Parsed<Layout> {
                     return Fault::line(line.number, reason);
                 }
                 let fields = fields(&names, &sizes, &kinds, &counts, line.number)?;
+                let each = |name: usize| sizes[name] * counts.get(name).copied().unwrap_or(1);
                 return Ok(Layout {
+                    widths: (0..names.len()).map(each).collect(),
                     fields,
                     binary,
+                    compressed,
                     points: p.0,
                     width_at: w.1,
                     height_at: h.1,

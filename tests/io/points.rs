@@ -16,6 +16,7 @@ fn middle() -> PointCompletion {
         source_points: vec![4],
         values: Vec::new(),
         copied: Default::default(),
+        cleaned: None,
         found: Default::default(),
     }
 }
@@ -121,10 +122,53 @@ fn binary_pcd_gets_a_row_and_new_counts() {
     assert!(cut.contains("cut off at point 4 of 5"), "{cut}");
 }
 
+/// Fields one after the other, packed: the same points as in a binary file, which is what is written.
+#[test]
+fn compressed_pcd_is_read_as_the_binary_one() {
+    let head =
+        |data: &str| pcd(data, 1, 5).replace("COUNT 1 1 1 1 1 1 1 1", "COUNT 1 1 1 1 1 1 1 3");
+    let place = |i: usize, axis: usize| (ROOF[i][axis] as f32).to_le_bytes().to_vec();
+    let labels = |i: usize| (0..3).flat_map(|k| (100 * i as i16 - k).to_le_bytes()).collect();
+    let field = |f: usize, i: usize| -> Vec<u8> {
+        match f {
+            0..=2 => place(i, f),
+            3 => (0x10_20_30 + i as u32).to_le_bytes().to_vec(),
+            4..=6 => f32::from(u8::from(f == 6)).to_le_bytes().to_vec(),
+            _ => labels(i),
+        }
+    };
+    let mut binary = head("binary").into_bytes();
+    binary.extend((0..5).flat_map(|i| (0..8).flat_map(move |f| field(f, i))));
+    let columns: Vec<u8> = (0..8).flat_map(|f| (0..5).flat_map(move |i| field(f, i))).collect();
+    let mut data = vec![0; 1000];
+    let count = lzf_rust::compress(&columns, &mut data).unwrap();
+    data.truncate(count);
+    let pack = |sizes: [usize; 2], data: &[u8]| {
+        let mut bytes = head("binary_compressed").into_bytes();
+        sizes.iter().for_each(|&n| bytes.extend((n as u32).to_le_bytes()));
+        bytes.extend(data);
+        bytes
+    };
+    let packed = pack([data.len(), columns.len()], &data);
+    let d = Document::parse(packed.clone(), Format::Pcd).unwrap();
+    assert_eq!(d.to_bytes(), binary);
+    let one = added(&packed, Format::Pcd, false).to_bytes();
+    assert_eq!(one, added(&binary, Format::Pcd, false).to_bytes());
+    for (bytes, words) in [
+        (packed[..packed.len() - 1].to_vec(), "cut off at byte"),
+        (pack([data.len(), columns.len() + 1], &data), "are not 5 points of 34"),
+        (pack([data.len(), columns.len()], &vec![0xff; data.len()]), "damaged"),
+        (head("binary_compressed").into_bytes(), "cut off before"),
+    ] {
+        let error = refusal(&bytes, Format::Pcd);
+        assert!(error.contains(words), "{error}");
+    }
+}
+
 #[test]
 fn a_broken_pcd_header_is_refused() {
     for (from, to, words) in [
-        ("DATA ascii", "DATA binary_compressed", "write ascii or binary"),
+        ("DATA ascii", "DATA zipped", "write ascii, binary or binary_compressed"),
         ("POINTS 5", "POINTS 6", "are not 6 points"),
         ("SIZE 4", "SIZE 3", "do not fit"),
         ("x y z", "x y w", "not all there"),
