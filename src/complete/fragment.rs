@@ -64,17 +64,21 @@ pub fn complete_holes(
     let wanted: Vec<usize> = initial.iter().map(|i| coarsest(i.patch, edge)).collect();
     let Some(&most) = wanted.iter().max() else { return Ok(Vec::new()) };
     let all = scales(mesh, &parts, rims, &open, most + 2, &|part| {
-        progress(0.2 * part);
+        progress(BEFORE * part);
         monitor.check()
     })?;
     let turns = Turned::all(mirrored);
     let check = || monitor.check();
     let mut results: Vec<Vec<Filled>> = initial.iter().map(|_| Vec::new()).collect();
+    let new = |i: &Initial<'_>| i.patch.positions.len() - i.patch.rim_count;
+    let share = Shares { holes: initial.iter().map(new).zip(wanted.iter().copied()).collect() };
+    let (whole, mut done) = (share.of_all(most), 0.0);
     // Scale by scale, so that the candidates of one are there at a time.
     for scale in (0..=most).rev() {
         let two = [&all[scale], &all[scale + 1]];
         let radius = radius_in_edges(scale) * edge;
         let candidates = Candidates::new(two, radius, &turns, threads, &check)?;
+        done += share.setup();
         for (hole, init) in initial.iter().enumerate().filter(|(h, _)| wanted[*h] >= scale) {
             if init.patch.positions.len() < init.patch.rim_count + LEAST {
                 continue;
@@ -86,10 +90,14 @@ pub fn complete_holes(
                 None => origin.iter().map(|&v| two[1].positions[v as usize]).collect(),
             };
             let filling = Filling::new(two, &candidates, init.patch, origin, guidance, threads);
-            let filled = filling.run(before, &check)?;
+            let part = share.of(hole, scale);
+            let filled = filling.run(before, &|fraction| {
+                progress(BEFORE + (1.0 - BEFORE) * (done + fraction * part) / whole);
+                monitor.check()
+            })?;
+            done += part;
             results[hole].push(filled);
         }
-        progress(0.2 + 0.8 * (most - scale + 1) as f64 / (most + 1) as f64);
     }
     let source = &all[0].source;
     let told = |(filled, init): (Vec<Filled>, &Initial<'_>)| {
@@ -107,6 +115,37 @@ pub fn complete_holes(
         Completed { patches }
     };
     Ok(results.into_iter().zip(initial).map(told).collect())
+}
+
+/// Part of the time that making the scales takes, measured on holes of 400 vertices in 40,000.
+const BEFORE: f64 = 0.2;
+
+/// What the holes cost at each scale, in new vertices at the finest one: fragments cover four times as many
+/// at each coarser scale.
+struct Shares {
+    /// New vertices and coarsest scale of each hole.
+    holes: Vec<(usize, usize)>,
+}
+
+impl Shares {
+    fn of(&self, hole: usize, scale: usize) -> f64 {
+        let (new, coarsest) = self.holes[hole];
+        if scale > coarsest {
+            0.0
+        } else {
+            new as f64 / f64::from(1u32 << (2 * scale))
+        }
+    }
+
+    /// Looking at the candidates of a scale: as long as laying some fragments.
+    fn setup(&self) -> f64 {
+        100.0
+    }
+
+    fn of_all(&self, most: usize) -> f64 {
+        let of = |scale: usize| (0..self.holes.len()).map(|h| self.of(h, scale)).sum::<f64>();
+        (0..=most).map(|scale| self.setup() + of(scale)).sum()
+    }
 }
 
 /// The scale at which a fragment reaches across a hole.

@@ -49,6 +49,9 @@ const REACH_EDGES: f64 = 6.0;
 
 /// The part of a coherent fill's time in which its initial completion is made.
 const SMOOTH_SHARE: f64 = 0.03;
+/// Parts of the call's progress: filling, if nothing long follows and if it does; and what follows.
+const FILLED: [workers::Span; 2] = [(0.1, 0.95), (0.1, 0.15)];
+const BESIDE: workers::Span = (0.15, 0.95);
 
 /// Completes a mesh in one call, in silence. See [`Completer`] for the parts.
 pub fn complete_mesh<'a>(
@@ -178,6 +181,10 @@ impl<'a> Completer<'a> {
         options.check()?;
         let options = &options.guided();
         options.sources.check(self.mesh.faces.len())?;
+        if options.clean.is_some() {
+            let reason = "only a point cloud is cleaned".into();
+            return Err(Error::InvalidOption { name: "clean", reason });
+        }
         let vertices = self.mesh.vertices.len();
         if let Some(appearance) = &options.appearance {
             appearance.check(vertices, &options.sources)?;
@@ -203,12 +210,14 @@ impl<'a> Completer<'a> {
             sizing: options.sizing,
             rounding: if single { Rounding::Single } else { Rounding::Double },
         };
+        let later = usize::from(matches!(options.method, Method::Harary | Method::Fragment));
         monitor.step(0.1, "filling")?;
-        let mut outcomes = workers::run(todo.len(), options.threads, monitor, &|i, check| {
-            let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
-            let hole = (todo[i], &points[i][..]);
-            self.fill_one(&around, &obstacles, hole, todo.len(), options, check)
-        })?;
+        let mut outcomes =
+            workers::run(todo.len(), options.threads, (monitor, FILLED[later]), &|i, check| {
+                let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
+                let hole = (todo[i], &points[i][..]);
+                self.fill_one(&around, &obstacles, hole, todo.len(), options, check)
+            })?;
         match options.method {
             Method::Harary => self.make_coherent(&around, &boxes, &mut outcomes, monitor)?,
             Method::Fragment => {
@@ -362,9 +371,11 @@ impl<'a> Completer<'a> {
     ) -> Result<()> {
         let mut fills = filled(outcomes);
         let initial = initial_of(around, &fills);
-        let made = workers::beside(monitor, "continuing what the object shows", &|inner, done| {
-            harary::complete_holes_harary(self.mesh, &initial, inner, done)
-        })?;
+        let made = workers::beside(
+            (monitor, BESIDE),
+            "continuing what the object shows",
+            &|inner, done| harary::complete_holes_harary(self.mesh, &initial, inner, done),
+        )?;
         for (fill, coherent) in fills.iter_mut().zip(made) {
             fill.coherence_error = Some(coherent.errors).filter(|e| e[0].is_finite());
             let offered = coherent.patches.into_iter().map(|patch| (patch, None));
@@ -391,7 +402,7 @@ impl<'a> Completer<'a> {
             mirrored: !options.sources.unmirrored,
             threads: thread_count(options.threads),
         };
-        let made = workers::beside(monitor, "copying fragments", &|inner, done| {
+        let made = workers::beside((monitor, BESIDE), "copying fragments", &|inner, done| {
             fragment::complete_holes(self.mesh, &initial, &asked, inner, done)
         })?;
         for (fill, completed) in fills.iter_mut().zip(made) {

@@ -14,8 +14,8 @@ use std::sync::mpsc;
 
 /// Holes from which on a second thread pays: starting one costs as much as a small fill.
 const FEW: usize = 4;
-/// The part of the whole call's progress that the holes are.
-const SPAN: (f64, f64) = (0.1, 0.95);
+/// The part of the whole call's progress that a piece of work is: from, to.
+pub type Span = (f64, f64);
 
 /// What is done with each hole: called with its number and with what it has to call now and then.
 pub type Job<'a, T> = &'a (dyn Fn(usize, Check<'_>) -> Result<T> + Sync);
@@ -37,10 +37,10 @@ pub fn threads_inside(count: usize, threads: usize) -> usize {
 pub fn run<T: Send>(
     count: usize,
     threads: usize,
-    monitor: &Monitor,
+    (monitor, span): (&Monitor, Span),
     job: Job<'_, T>,
 ) -> Result<Vec<T>> {
-    let fraction = |done: f64| SPAN.0 + (SPAN.1 - SPAN.0) * done / count.max(1) as f64;
+    let fraction = |done: f64| span.0 + (span.1 - span.0) * done / count.max(1) as f64;
     let threads = thread_count(threads).min(count / FEW * 2).max(1);
     if threads == 1 {
         let one = |i: usize| {
@@ -109,11 +109,14 @@ pub type LongJob<'a, T> = &'a (dyn Fn(&Monitor, &dyn Fn(f64)) -> Result<T> + Syn
 
 /// Does one long job on a thread of its own, while this one asks the progress function whether to
 /// go on.
-pub fn beside<T: Send>(monitor: &Monitor, stage: &str, job: LongJob<'_, T>) -> Result<T> {
+pub fn beside<T: Send>(
+    (monitor, span): (&Monitor, Span),
+    stage: &str,
+    job: LongJob<'_, T>,
+) -> Result<T> {
     let inner = Monitor::silent();
     let done = AtomicUsize::new(0);
     let report = |part: f64| done.store((1e6 * part) as usize, Ordering::Relaxed);
-    let span = (0.95, 0.99);
     std::thread::scope(|scope| {
         let (send, receive) = mpsc::channel();
         let (inner, report) = (&inner, &report);
@@ -147,7 +150,8 @@ mod tests {
     #[test]
     fn results_come_in_order_on_any_number_of_threads() {
         for threads in 0..5 {
-            let squares = run(50, threads, &Monitor::silent(), &|i, _| Ok(i * i)).unwrap();
+            let squares =
+                run(50, threads, (&Monitor::silent(), (0.0, 1.0)), &|i, _| Ok(i * i)).unwrap();
             assert_eq!(squares, (0..50).map(|i| i * i).collect::<Vec<_>>());
         }
     }
@@ -159,7 +163,7 @@ mod tests {
             7 => panic!("job {i}"),
             _ => Ok(i),
         };
-        let caught = catch_unwind(|| run(9, 2, &Monitor::silent(), &job));
+        let caught = catch_unwind(|| run(9, 2, (&Monitor::silent(), (0.0, 1.0)), &job));
         let payload = caught.unwrap_err();
         assert_eq!(payload.downcast_ref::<String>().unwrap(), "job 7");
     }

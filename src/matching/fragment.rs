@@ -20,6 +20,11 @@ pub const RINGS: usize = 6;
 const FIRST: usize = 6;
 /// Places of all rings.
 pub const PLACES: usize = FIRST * RINGS * (RINGS + 1) / 2;
+/// Waves along a ring whose amplitudes are kept: the first ring has six places, which hold three.
+const WAVES: usize = 3;
+/// Of so many places one is looked at in a sketch; prime to the places of every ring, so that they lie
+/// all around.
+const SKETCHED: usize = 5;
 /// Turns that are tried, 10° apart: within reach of the ICP.
 pub const TURNS: usize = 36;
 /// Share of the target's places that a source must know.
@@ -37,6 +42,31 @@ pub struct Layer {
 }
 
 impl Layer {
+    /// Mean and amplitudes along a ring, weighted so that their squares add up to the mean square;
+    /// `None` if not all of it is known.
+    fn waves(&self, k: usize) -> Option<[f32; WAVES + 1]> {
+        let places = ring(k);
+        let n = places.len() as f64;
+        if places.clone().any(|i| self.confidence[i] <= 0.0) {
+            return None;
+        }
+        let amplitude = |m: usize| {
+            let wave = places.clone().enumerate().map(|(j, i)| {
+                let angle = m as f64 * j as f64 / n * TAU;
+                f64::from(self.height[i]) * DVec2::from_angle(angle)
+            });
+            let sum = wave.sum::<DVec2>() / n;
+            // A wave stands for its conjugate, too, but for the mean and the highest of a ring.
+            let pair = if m == 0 || 2 * m == places.len() { 1.0 } else { 2f64.sqrt() };
+            if m == 0 {
+                sum.x
+            } else {
+                pair * sum.length()
+            }
+        };
+        Some(std::array::from_fn(|m| amplitude(m) as f32))
+    }
+
     /// Nothing known.
     pub const EMPTY: Self = Self { height: [0.0; PLACES], confidence: [0.0; PLACES] };
 
@@ -72,6 +102,9 @@ pub struct Fragment {
     pub fine: Layer,
     /// Of the coarser surface, known in the hole, too.
     pub coarse: Layer,
+    /// For each ring of the coarser surface that is known all around the mean height and the amplitudes of
+    /// the first waves along it: no turn and no mirroring changes them.
+    waves: [Option<[f32; WAVES + 1]>; RINGS],
 }
 
 impl Fragment {
@@ -82,7 +115,8 @@ impl Fragment {
         radius: f64,
         mut meet: impl FnMut(DVec3, usize) -> [Option<(f64, f64)>; 2],
     ) -> Self {
-        let mut made = Self { frame, fine: Layer::EMPTY, coarse: Layer::EMPTY };
+        let (fine, coarse) = (Layer::EMPTY, Layer::EMPTY);
+        let mut made = Self { frame, fine, coarse, waves: [None; RINGS] };
         for i in 0..PLACES {
             let at = radius * place(i);
             let origin = frame.centre + frame.axes * at.extend(0.0);
@@ -94,36 +128,42 @@ impl Fragment {
                 }
             }
         }
+        made.waves = std::array::from_fn(|k| made.coarse.waves(k + 1));
         made
     }
 
     /// δ of the two layers together (Eq. 1 and Sec. 5.3) for a source turned, and mirrored or not;
     /// `None` where the source knows too little. In square radii.
     pub fn distance(&self, source: &Self, turned: &Turned) -> Option<f64> {
-        let fine = difference(&self.fine, &source.fine, turned)?;
-        let coarse = difference(&self.coarse, &source.coarse, turned)?;
+        self.compare(source, turned, 1)
+    }
+
+    /// About the same, from a fifth of the places.
+    pub fn sketched_distance(&self, source: &Self, turned: &Turned) -> Option<f64> {
+        self.compare(source, turned, SKETCHED)
+    }
+
+    fn compare(&self, source: &Self, turned: &Turned, step: usize) -> Option<f64> {
+        let fine = difference(&self.fine, &source.fine, turned, step)?;
+        let coarse = difference(&self.coarse, &source.coarse, turned, step)?;
         Some(fine + COARSE * coarse)
     }
 
     /// δ of the fine layer alone, neither turned nor mirrored.
     pub fn fine_distance(&self, source: &Self) -> Option<f64> {
-        difference(&self.fine, &source.fine, &Turned::new(0, false))
+        difference(&self.fine, &source.fine, &Turned::new(0, false), 1)
     }
 
-    /// A bound that no turn of a source goes below, from the means of the coarse rings.
+    /// A bound that no turn of a source by whole places goes below: by Parseval the squared difference of
+    /// two rings is at least that of their means and of their waves' amplitudes.
     pub fn least_distance(&self, source: &Self) -> f64 {
-        let mut sum = 0.0;
-        for k in 1..=RINGS {
-            let places = ring(k);
-            let (a, b) = (&self.coarse, &source.coarse);
-            let whole = places.clone().all(|i| a.confidence[i] > 0.0 && b.confidence[i] > 0.0);
-            if whole {
-                let n = places.len() as f64;
-                let off: f64 = places.map(|i| f64::from(a.height[i] - b.height[i])).sum();
-                sum += off * off / n;
-            }
-        }
-        COARSE * sum / PLACES as f64
+        let of = |(k, (a, b)): (usize, (&Option<[f32; WAVES + 1]>, &Option<[f32; WAVES + 1]>))| {
+            let (Some(a), Some(b)) = (a, b) else { return 0.0 };
+            let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
+            ring(k + 1).len() as f32 * squares.sum::<f32>()
+        };
+        let sum: f32 = self.waves.iter().zip(&source.waves).enumerate().map(of).sum();
+        COARSE * f64::from(sum) / PLACES as f64
     }
 
     /// The transform that lays a source turned so over this (source to target).
@@ -182,10 +222,10 @@ impl Turned {
     }
 }
 
-/// Weighted mean square difference of two layers (Eq. 1).
-fn difference(target: &Layer, source: &Layer, turned: &Turned) -> Option<f64> {
+/// Weighted mean square difference of two layers (Eq. 1), at every `step`-th place.
+fn difference(target: &Layer, source: &Layer, turned: &Turned, step: usize) -> Option<f64> {
     let (mut sum, mut weight, mut whole) = (0f32, 0f32, 0f32);
-    for (i, &(a, b, t)) in turned.0.iter().enumerate() {
+    for (i, &(a, b, t)) in turned.0.iter().enumerate().step_by(step) {
         let (a, b) = (a as usize, b as usize);
         let known = target.confidence[i];
         let there = if t == 0.0 {

@@ -32,6 +32,12 @@ const MOST: usize = 3000;
 const ALIGNED: usize = 6;
 /// Steps of an alignment at most.
 const STEPS: usize = 8;
+/// Candidates whose waves along the coarser rings are nearest the target's: these are sketched, ...
+const SKETCHED: usize = 1000;
+/// ... at every second turn, ...
+const SKETCHED_TURNS: usize = 2;
+/// ... and the best of them compared at every place and turn.
+const COMPARED: usize = 100;
 /// Candidates worked on between two looks at the wish to stop.
 const BATCH: usize = 64;
 /// How far the fine surface may be from the coarse one, in radii: farther off it is another sheet.
@@ -50,6 +56,10 @@ const BINS: f64 = 10.0;
 /// Where no fragment serves a target the coarser surface stands for so much of its radius: one edge on the
 /// finest scale, and a wide border of a statue's foot is given up in seconds, not minutes.
 const GIVEN_UP: f64 = 0.25;
+
+/// Targets so near a fragment that was laid, in radii, are looked at anew: half of what they show, or more,
+/// is new.
+const RENEWED: f64 = 0.5;
 
 /// A height along a line and the face met.
 type Met = Option<(u32, f64)>;
@@ -225,19 +235,22 @@ impl<'a> Filling<'a> {
         self.tree = Bvh::from_triangles(known.into_iter());
     }
 
-    /// Fills the hole. `before`: the copies of the coarser scale.
+    /// Fills the hole. `before`: the copies of the coarser scale; `progress` is called with the fraction done.
     pub fn run(
         mut self,
         before: Option<&Filled>,
-        check: &dyn Fn() -> Result<()>,
+        progress: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Filled> {
         let radius = self.candidates.radius;
+        let new = self.filled.len() - self.patch.rim_count;
         let mut targets: BTreeMap<u32, Target> = BTreeMap::new();
         let mut stale: Vec<u32> = self.frontier().collect();
         loop {
+            let empty = self.filled.iter().filter(|f| f.is_none()).count();
+            let check = || progress(1.0 - empty as f64 / new.max(1) as f64);
             check()?;
             let fresh =
-                parallel::map(stale.len(), self.threads, check, &|i| self.target(stale[i]))?;
+                parallel::map(stale.len(), self.threads, &check, &|i| self.target(stale[i]))?;
             targets.extend(stale.iter().copied().zip(fresh));
             // The greatest bin, then the greatest deviation, then the first.
             let best = targets.iter().max_by(|(a, x), (b, y)| {
@@ -246,7 +259,7 @@ impl<'a> Filling<'a> {
             let Some((&b, _)) = best else { break };
             // The order may be a little old, what is compared not.
             let target = &self.target(b);
-            let found = self.find(b, target, before, check)?;
+            let found = self.find(b, target, before, &check)?;
             let pasted = found.is_some_and(|p| self.paste(b, target, p));
             if !pasted {
                 // Nothing serves: the coarser surface goes on here.
@@ -262,10 +275,10 @@ impl<'a> Filling<'a> {
             self.plant();
             let centre = self.guidance[b as usize];
             let open: Vec<u32> = self.frontier().collect();
-            // What others show has changed, if something was laid: with those nearer than a radius made anew
-            // the order is nearly that of all, at a third of the time.
+            // What others show has changed, if something was laid: with those near it made anew the order is
+            // nearly that of all.
             let holds = |v: u32| {
-                let far = self.guidance[v as usize].distance(centre) > radius;
+                let far = self.guidance[v as usize].distance(centre) > RENEWED * radius;
                 (far || !pasted) && open.binary_search(&v).is_ok()
             };
             targets.retain(|&v, _| holds(v));
@@ -393,24 +406,32 @@ impl<'a> Filling<'a> {
         Target { ring, bin, deviation, roughness: rough / f64::max(known, 1.0), fragment }
     }
 
-    /// The copy that continues a target best.
-    fn find(
-        &self,
-        v: u32,
-        target: &Target,
-        before: Option<&Filled>,
-        check: &dyn Fn() -> Result<()>,
-    ) -> Result<Option<Pasted>> {
-        let Candidates { all, turns, radius, fine, .. } = self.candidates;
+    /// The turned candidates most like a target, not in order. Ever fewer are looked at ever closer.
+    fn alike(&self, target: &Target, check: &dyn Fn() -> Result<()>) -> Result<Vec<Candidate>> {
+        let Candidates { all, turns, .. } = self.candidates;
         let own = &target.fragment;
-        let one = |block: usize| {
+        let bland = |c: usize| blandness(target.roughness, all[c].1);
+        let waves = (0..all.len()).map(|c| (bland(c) * own.least_distance(&all[c].0), c)).collect();
+        let waves = least(waves, SKETCHED);
+        let batch = |ids: &[(f64, usize)], block: usize| -> Vec<usize> {
+            let part = block * BATCH..ids.len().min((block + 1) * BATCH);
+            ids[part].iter().map(|i| i.1).collect()
+        };
+        let sketch = |block: usize| {
+            let of = |c: usize| {
+                let at = |t: &(_, _, Turned)| own.sketched_distance(&all[c].0, &t.2);
+                let some = turns.iter().filter(|t| t.0 % SKETCHED_TURNS == 0);
+                some.filter_map(at).reduce(f64::min).map(|d| (bland(c) * d, c))
+            };
+            batch(&waves, block).into_iter().filter_map(of).collect::<Vec<_>>()
+        };
+        let sketches = parallel::map(waves.len().div_ceil(BATCH), self.threads, check, &sketch)?;
+        let sketches = least(sketches.into_iter().flatten().collect(), COMPARED);
+        let compare = |block: usize| {
             let mut found: Vec<Candidate> = Vec::new();
             let mut best = f64::INFINITY;
-            for (source, rough) in &all[block * BATCH..all.len().min((block + 1) * BATCH)] {
-                let bland = blandness(target.roughness, *rough);
-                if bland * own.least_distance(source) >= best {
-                    continue;
-                }
+            for c in batch(&sketches, block) {
+                let (source, bland) = (&all[c].0, bland(c));
                 for (turn, mirrored, turned) in *turns {
                     let Some(d) = own.distance(source, turned) else { continue };
                     if bland * d < best {
@@ -423,8 +444,21 @@ impl<'a> Filling<'a> {
             // Each is better than those before it: only the last ones matter.
             found.split_off(found.len().saturating_sub(ALIGNED))
         };
-        let found = parallel::map(all.len().div_ceil(BATCH), self.threads, check, &one)?;
-        let found: Vec<Candidate> = found.into_iter().flatten().collect();
+        let found = parallel::map(sketches.len().div_ceil(BATCH), self.threads, check, &compare)?;
+        Ok(found.into_iter().flatten().collect())
+    }
+
+    /// The copy that continues a target best.
+    fn find(
+        &self,
+        v: u32,
+        target: &Target,
+        before: Option<&Filled>,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Option<Pasted>> {
+        let Candidates { radius, fine, .. } = self.candidates;
+        let own = &target.fragment;
+        let found = self.alike(target, check)?;
         let centre = own.frame.centre;
         let mut starts: Vec<(Rigid, f64)> = keep_different(found, centre, *radius, 0.3, ALIGNED)
             .into_iter()
@@ -531,6 +565,17 @@ impl<'a> Filling<'a> {
         }
         any
     }
+}
+
+/// The `count` least, the least first.
+fn least(mut all: Vec<(f64, usize)>, count: usize) -> Vec<(f64, usize)> {
+    let order = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+    if all.len() > count {
+        all.select_nth_unstable_by(count, order);
+        all.truncate(count);
+    }
+    all.sort_unstable_by(order);
+    all
 }
 
 /// A frame as seen from the source.

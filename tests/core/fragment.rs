@@ -2,9 +2,12 @@
 
 use crate::checker::complete_checked;
 use crate::meshes::Mesh;
-use complete_mesh::{complete_points, Completion, Method, Options};
+use complete_mesh::{
+    complete_mesh_with, complete_points, Completion, MeshView, Method, Monitor, Options,
+};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
+use std::sync::Mutex;
 
 /// Points a side, half the width, and the radius of the hole.
 const SIDE: usize = 90;
@@ -96,4 +99,26 @@ fn a_periodic_cloud_is_recovered() {
     let gone = SIDE * SIDE - mesh.vertices.len();
     let ratio = made.completion.vertices.len() as f64 / gone as f64;
     assert!((0.7..1.4).contains(&ratio), "{ratio}");
+}
+
+/// The fragments are most of the work, and most of the progress is theirs, in many small steps that never
+/// go back.
+#[test]
+fn progress_moves_on_while_fragments_are_copied() {
+    let mesh = broken_relief();
+    let view = MeshView { vertices: (&mesh.vertices[..]).into(), faces: (&mesh.faces[..]).into() };
+    let seen = Mutex::new(Vec::new());
+    let report = |fraction: f64, stage: &str| {
+        seen.lock().unwrap().push((fraction, stage.to_owned()));
+        true
+    };
+    complete_mesh_with(view, &options(Method::Fragment), &Monitor::new(&report)).unwrap();
+    let seen = seen.into_inner().unwrap();
+    assert!(seen.windows(2).all(|w| w[0].0 <= w[1].0), "{seen:?}");
+    let own: Vec<f64> = seen.iter().filter(|s| s.1 == "copying fragments").map(|s| s.0).collect();
+    let (first, last) = (own.first().unwrap(), own.last().unwrap());
+    assert!(*first < 0.4 && *last > 0.7 && own.len() > 5, "{own:?}");
+    let mut steps: Vec<u64> = own.iter().map(|f| (100.0 * f) as u64).collect();
+    steps.dedup();
+    assert!(steps.len() > 5, "{own:?}");
 }
