@@ -56,10 +56,12 @@ pub use guidance::{Guidance, Placement};
 pub use holes::{find_holes, BoundaryLoop, Hole, HoleKind, HoleList};
 pub use mesh::{FaceView, MeshView, VertexView};
 pub use options::{
-    Appearance, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
+    Appearance, Cleaning, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing,
+    Sources,
 };
 pub use points::{
-    complete_points, complete_points_with, find_point_holes, Copied, PointCompletion, PointHoles,
+    complete_points, complete_points_with, find_point_holes, CleanedPoints, Copied,
+    PointCompletion, PointHoles,
 };
 pub use progress::Monitor;
 pub use result::{Completion, HoleReport, HoleStatus, Origin, Seam, SourceReport};

@@ -35,6 +35,22 @@ impl Method {
     }
 }
 
+/// How a copy of a point cloud is cleaned before it is completed (Park et al. 2006, Sec. 4): points beside
+/// the surface and doubles go, noise is smoothed. The input stays what it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cleaning {
+    /// Times that noise is smoothed, up to 100; each time about half of what is left goes, and relief
+    /// below two spacings with it. 0: nothing is moved.
+    pub rounds: usize,
+}
+
+impl Default for Cleaning {
+    /// Three rounds: noise of 0.3 spacings falls below 0.1.
+    fn default() -> Self {
+        Self { rounds: 3 }
+    }
+}
+
 /// The smooth surface that a hole is filled with, or that its coherent fill starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -334,6 +350,8 @@ pub struct Options {
     pub guidance: Guidance,
     /// What the vertices carry; its first channels help `Method::Coherent` to find the sources.
     pub appearance: Option<Arc<Appearance>>,
+    /// Of a point cloud: complete a cleaned copy of it; `None`: the points as they are. A mesh is refused.
+    pub clean: Option<Cleaning>,
     /// Fill the other holes when a selected one is unsafe or fails, and say so in its
     /// [`crate::HoleReport`]; by default such a hole is an error for the whole call.
     pub skip_unsafe: bool,
@@ -368,6 +386,9 @@ impl Options {
                 return bad("sizing", format!("the edge length {l} is not positive"))
             }
             _ => {}
+        }
+        if let Some(Cleaning { rounds }) = self.clean.filter(|c| c.rounds > 100) {
+            return bad("clean", format!("{rounds} rounds are more than 100"));
         }
         if self.method == Method::Harary && self.sources.are_chosen() {
             return bad("sources", "the method harary copies from the whole mesh".into());

@@ -4,7 +4,8 @@ use super::arrays::{array, corners, points};
 use super::error::{Failure, Status};
 use super::guard::guard;
 use crate::options::{
-    Appearance, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing, Sources,
+    Appearance, Cleaning, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing,
+    Sources,
 };
 use std::ffi::{c_char, c_int, c_void};
 use std::sync::Arc;
@@ -258,6 +259,13 @@ pub struct COptions {
     /// How far the fill may stay off the points, 0 (it passes through them) to 1; 0.1 halves the height of
     /// a bump over the whole hole. Default: 0.
     pub softness: f64,
+    /// 1: complete_mesh_points completes a cleaned copy of the cloud: points beside the surface and
+    /// doubles are left out, noise is smoothed; see complete_mesh_result_cleaned_points. The input stays
+    /// what it is. Refused for a mesh. Default: 0.
+    pub clean: u32,
+    /// Times that noise is smoothed, 0 to 100; each time about half of what is left goes, and relief below
+    /// two spacings with it. Read if clean is 1. Default: 3.
+    pub clean_rounds: u32,
 }
 
 /// More threads than any machine has cores for one call; a garbage number would start them all.
@@ -320,6 +328,8 @@ impl COptions {
             constraint_points: std::ptr::null(),
             constraint_count: 0,
             softness: 0.0,
+            clean: 0,
+            clean_rounds: Cleaning::default().rounds as u32,
         }
     }
 
@@ -427,6 +437,8 @@ impl COptions {
             sources: unsafe { self.sources(face_count) }?,
             // SAFETY: as above.
             guidance: unsafe { self.guidance() }?,
+            clean: flag("clean", self.clean)?
+                .then_some(Cleaning { rounds: self.clean_rounds as usize }),
             threads: self.threads as usize,
         })
     }

@@ -6,7 +6,7 @@ use super::holes::Holes;
 use super::input::Input;
 use super::options::CVertexType;
 use crate::holes::HoleList;
-use crate::points::PointCompletion;
+use crate::points::{CleanedPoints, PointCompletion};
 use crate::result::{Completion, Origin};
 use std::ffi::c_void;
 
@@ -55,6 +55,9 @@ pub struct MeshResult {
     /// Of a cloud: source points and normals of the new points.
     source_points: Vec<u32>,
     normals: Vec<[f64; 3]>,
+    /// Of a cloud that was cleaned: positions and flags of all input points.
+    cleaned: Vec<[f64; 3]>,
+    removed: Vec<u8>,
     /// Of the new vertices.
     values: Vec<f64>,
     face_hole: Vec<u32>,
@@ -120,6 +123,8 @@ impl MeshResult {
             origins: Origins::new(&completion.origins)?,
             source_points: Vec::new(),
             normals: Vec::new(),
+            cleaned: Vec::new(),
+            removed: Vec::new(),
             face_hole: completion.face_hole,
             seconds: completion.seconds,
             cpu_seconds: completion.cpu_seconds,
@@ -132,12 +137,16 @@ impl MeshResult {
         made: PointCompletion,
         whole_mesh: bool,
     ) -> Result<Self, Failure> {
-        let PointCompletion { mut completion, normals, source_points, values, found, .. } = made;
+        let PointCompletion {
+            mut completion, normals, source_points, values, found, cleaned, ..
+        } = made;
         completion.faces.clear();
         completion.face_hole.clear();
         completion.holes.iter_mut().for_each(|h| h.faces = 0..0);
         let made = Self::new(input, &found.list, completion, values, whole_mesh)?;
-        Ok(Self { source_points, normals, ..made })
+        let CleanedPoints { positions, removed } = cleaned.unwrap_or_default();
+        let removed = removed.into_iter().map(u8::from).collect();
+        Ok(Self { source_points, normals, cleaned: positions, removed, ..made })
     }
 
     /// The positions from vertex `first` of the array on; NULL if there are none.
@@ -335,6 +344,28 @@ pub unsafe extern "C" fn complete_mesh_result_new_vertex_normals(
 ) -> *const f64 {
     // SAFETY: as above.
     unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.normals)).cast()) }
+}
+
+/// For each point of the input, if the option clean was set, where it lies in the cleaned copy that was
+/// completed: three numbers; what was removed is where it was. NULL otherwise. The array belongs to the
+/// result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_cleaned_points(
+    result: *const MeshResult,
+) -> *const f64 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.cleaned)).cast()) }
+}
+
+/// For each point of the input, if the option clean was set, 1 if it is not in the cleaned copy (it lies
+/// beside the surface, is a double of an earlier one or has no coordinates), else 0. NULL otherwise. The
+/// array belongs to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_removed_points(
+    result: *const MeshResult,
+) -> *const u8 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.removed))) }
 }
 
 /// For each new vertex the numbers that vertex_values of the options gave the input's, value_channels

@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::guidance::GuidanceArgs;
 use super::sources::SourceArgs;
 use crate::error::Error;
-use crate::options::{Fairing, Grouping, Method, Options, Selection, Sizing, Sources};
+use crate::options::{Cleaning, Fairing, Grouping, Method, Options, Selection, Sizing, Sources};
 use crate::sample::{Break, Sample};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -78,6 +78,13 @@ pub(super) struct FillArgs {
     pub sources: SourceArgs,
     #[command(flatten)]
     pub guidance: GuidanceArgs,
+    /// Of a point cloud: complete a cleaned copy, without outliers, its noise smoothed ROUNDS times (3
+    /// unless said). The points of IN are written as they are
+    #[arg(long, value_name = "ROUNDS", num_args = 0..=1, require_equals = true, default_missing_value = "3")]
+    pub clean: Option<usize>,
+    /// Write the cleaned copy, too, with the new points
+    #[arg(long, value_name = "FILE", requires = "clean")]
+    pub cleaned: Option<PathBuf>,
     /// Leave holes open that cannot be filled safely, instead of writing nothing
     #[arg(long)]
     pub skip_unsafe: bool,
@@ -220,6 +227,7 @@ impl FillArgs {
             grouping: self.grouping.grouping(),
             fairing: self.fairing,
             sizing: self.sizing.sizing(),
+            clean: self.clean.map(|rounds| Cleaning { rounds }),
             skip_unsafe: self.skip_unsafe,
             initial: None,
             sources: Sources::default(),

@@ -143,6 +143,7 @@ fn check_paths(args: &FillArgs) -> Result<(), Failure> {
     let mut named = vec![("IN", &args.input), ("OUT", &args.output)];
     named.extend(args.report.as_ref().map(|p| ("--report", p)));
     named.extend(args.picture.as_ref().map(|p| ("--picture", p)));
+    named.extend(args.cleaned.as_ref().map(|p| ("--cleaned", p)));
     named.extend(args.initial.as_ref().map(|p| ("--initial", p)));
     named.extend(args.sources.exemplar.iter().map(|p| ("--exemplar", p)));
     named.extend(args.guidance.points.as_ref().map(|p| ("--points", p)));

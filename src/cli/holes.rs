@@ -88,10 +88,10 @@ fn table(holes: &HoleList, mean_edge: f64) -> String {
 }
 
 /// Rows in columns, those of words (`left`) to the left.
-pub(super) fn align(rows: &[[String; 8]], left: &[usize]) -> String {
-    let width: [usize; 8] =
+pub(super) fn align<const N: usize>(rows: &[[String; N]], left: &[usize]) -> String {
+    let width: [usize; N] =
         std::array::from_fn(|c| rows.iter().map(|r| r[c].len()).max().unwrap_or(0));
-    let line = |row: &[String; 8]| {
+    let line = |row: &[String; N]| {
         let cells = row.iter().enumerate().map(|(c, text)| match left.contains(&c) {
             true => format!("{text:<w$}", w = width[c]),
             false => format!("{text:>w$}", w = width[c]),

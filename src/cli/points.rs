@@ -7,11 +7,14 @@ use super::fill::{describe, tell, tell_warnings, write};
 use super::output::Outputs;
 use super::report::{point_warnings, File, Measured, Report, Warning};
 use super::{check_interrupt, interrupt};
-use crate::io::{Document, Extras};
+use crate::io::{Document, Extras, Format, IoError};
 use crate::options::Options;
-use crate::points::{complete_points_with, find_point_holes, PointCompletion, PointHoles};
+use crate::points::{
+    complete_points_with, find_point_holes, CleanedPoints, PointCompletion, PointHoles,
+};
 use crate::progress::Monitor;
 use serde::Serialize;
+use std::path::Path;
 
 /// The last line of `holes --json`.
 #[derive(Serialize)]
@@ -21,6 +24,8 @@ struct Summary {
     spacing: f64,
     holes: usize,
     borders: usize,
+    /// Centres of the places that only the distance field takes for holes.
+    only_distance_field: Vec<[f64; 3]>,
     warnings: Vec<Warning>,
 }
 
@@ -32,7 +37,10 @@ struct Hole {
     border: bool,
     missing_points: f64,
     boundary_probability: f64,
+    /// Whether all other detectors that can judge see it, too, and what each says.
     agreed: bool,
+    boundary_loops: bool,
+    distance_field: Option<bool>,
 }
 
 /// The table of a cloud's holes.
@@ -61,15 +69,29 @@ pub(super) fn holes(
         console.say("no holes");
     } else {
         console.say(&table(&found));
-        if found.agreed.contains(&false) {
-            console.say("? only the mesh through the points has this hole, the likely boundary points close no loop");
-        }
+        console.say(
+            "seen by: mesh through the points; loops of likely boundary points; distance field \
+             (- where it cannot say: the surface is open)",
+        );
+    }
+    for p in &found.only_in_field {
+        let at = p.map(short).join(" ");
+        console.say(&format!("only the distance field has a hole at {at}"));
     }
     for (i, hole) in found.list.holes.iter().enumerate() {
         let (border, missing_points) = (found.borders[i], found.missing_in[i]);
         let (measured, boundary_probability) = (Measured::of(hole), found.probability[i]);
-        let agreed = found.agreed[i];
-        let hole = Hole { measured, border, missing_points, boundary_probability, agreed };
+        let (boundary_loops, distance_field) = (found.agreed[i], found.in_field[i]);
+        let agreed = boundary_loops && distance_field != Some(false);
+        let hole = Hole {
+            measured,
+            border,
+            missing_points,
+            boundary_probability,
+            agreed,
+            boundary_loops,
+            distance_field,
+        };
         console.event("hole", &hole);
     }
     let warnings = point_warnings(&found);
@@ -80,6 +102,7 @@ pub(super) fn holes(
         spacing: found.spacing,
         holes: found.list.holes.len() - borders,
         borders,
+        only_distance_field: found.only_in_field.clone(),
         warnings,
     };
     console.event("done", &summary);
@@ -88,7 +111,8 @@ pub(super) fn holes(
 
 /// The table; lengths in cloud units and, in brackets, in spacings.
 fn table(found: &PointHoles) -> String {
-    let head = ["id", "kind", "loops", "rim", "missing", "circumference", "diameter", "centre"];
+    let head =
+        ["id", "kind", "loops", "rim", "missing", "circumference", "diameter", "centre", "seen by"];
     let length = |x: f64| format!("{} ({:.1})", short(x), x / found.spacing);
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(found.list.holes.iter().enumerate().map(|(i, hole)| {
@@ -96,20 +120,27 @@ fn table(found: &PointHoles) -> String {
         let border = found.borders[i];
         [
             m.id.to_string(),
-            format!(
-                "{}{}",
-                if border { "border" } else { m.kind },
-                if found.agreed[i] { "" } else { "?" }
-            ),
+            if border { "border".into() } else { m.kind.to_owned() },
             m.loops.to_string(),
             m.edges.to_string(),
             if border { "-".into() } else { format!("{:.0}", found.missing_in[i]) },
             length(m.circumference),
             length(m.diameter),
             m.centre.map(|x| short(if x.abs() < 1e-9 * m.diameter { 0.0 } else { x })).join(" "),
+            seen_by(found.agreed[i], found.in_field[i]),
         ]
     }));
-    super::holes::align(&rows, &[1, 7])
+    super::holes::align(&rows, &[1, 7, 8])
+}
+
+fn seen_by(loops: bool, field: Option<bool>) -> String {
+    let loops = if loops { " loops" } else { "" };
+    let field = match field {
+        Some(true) => " field",
+        Some(false) => "",
+        None => " -",
+    };
+    format!("mesh{loops}{field}")
 }
 
 /// Fills a cloud's holes; `output` has been converted to the format that is written.
@@ -135,9 +166,51 @@ pub(super) fn fill(
     document.append_points_with(&made, &extras, exemplar)?;
     let output = describe(&args.output, &document);
     let report = Report::of_points(input, output, options, &made);
-    write(args, Outputs::default(), &report, &document, console)?;
+    let mut outputs = Outputs::default();
+    if let (Some(path), Some(cleaned)) = (&args.cleaned, &made.cleaned) {
+        let copy = cleaned_copy(&document, &made, cleaned, path)?;
+        outputs.stage(path, |w| w.write_all(copy.as_bytes()))?;
+    }
+    write(args, outputs, &report, &document, console)?;
     tell(&report, &made.completion, console);
+    if let (Some(path), Some(cleaned)) = (&args.cleaned, &made.cleaned) {
+        let removed = cleaned.removed.iter().filter(|r| **r).count();
+        console.say(&format!("wrote {}: {removed} points removed", path.display()));
+    }
     Ok(())
+}
+
+/// What is left of the input, smoothed, and the new points; with the colours of the completed cloud.
+/// Other columns stay with the points that they were measured at.
+fn cleaned_copy(
+    completed: &Document,
+    made: &PointCompletion,
+    cleaned: &CleanedPoints,
+    path: &Path,
+) -> Result<Document, Failure> {
+    let format =
+        Format::from_path(path).ok_or_else(|| IoError::UnknownFormat { path: path.to_owned() })?;
+    let count = cleaned.removed.len();
+    let kept: Vec<usize> =
+        (0..completed.vertices().len()).filter(|&i| i >= count || !cleaned.removed[i]).collect();
+    let at = |&i: &usize| match i.checked_sub(count) {
+        Some(new) => made.completion.vertices[new],
+        None => cleaned.positions[i],
+    };
+    let positions = kept.iter().map(at);
+    let single = || positions.clone().map(|p| p.map(|x| x as f32)).collect::<Vec<_>>();
+    let copy = match completed.vertex_colours() {
+        Some(all) => {
+            let colours: Vec<[u8; 4]> = kept.iter().map(|&i| all[i]).collect();
+            Document::from_painted_mesh_f32(&single(), &[], &colours)?
+        }
+        None if completed.vertices().is_single() => Document::from_mesh_f32(single(), vec![])?,
+        None => Document::from_mesh_f64(positions.collect(), vec![])?,
+    };
+    match format {
+        Format::Ply => Ok(copy),
+        other => Ok(copy.convert(other)?),
+    }
 }
 
 fn complete(

@@ -40,19 +40,21 @@ pub fn probability(points: &[DVec3], normals: &[DVec3], neighbours: &Neighbours,
 
 /// The largest gap between the directions of two neighbours.
 fn angle(flat: &[(DVec2, f64)]) -> f64 {
-    let mut angles: Vec<f64> = flat
-        .iter()
-        .filter(|(d, length)| d.length() > STEEP * length)
-        .map(|(d, _)| d.y.atan2(d.x))
-        .collect();
+    let level = flat.iter().filter(|(d, length)| d.length() > STEEP * length);
+    let angles: Vec<f64> = level.map(|(d, _)| d.y.atan2(d.x)).collect();
     if angles.len() < 3 {
         return 1.0;
     }
-    angles.sort_unstable_by(f64::total_cmp);
-    let last = TAU - (angles[angles.len() - 1] - angles[0]);
-    let gap = angles.windows(2).map(|w| w[1] - w[0]).fold(last, f64::max);
     let even = TAU / angles.len() as f64;
-    ((gap - even) / (PI - even)).clamp(0.0, 1.0)
+    ((widest_gap(angles) - even) / (PI - even)).clamp(0.0, 1.0)
+}
+
+/// The widest angle between two directions next to each other; a full turn for none.
+pub fn widest_gap(mut angles: Vec<f64>) -> f64 {
+    angles.sort_unstable_by(f64::total_cmp);
+    let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return TAU };
+    let over = TAU - (last - first);
+    angles.windows(2).map(|w| w[1] - w[0]).fold(over, f64::max)
 }
 
 /// How far the mean of the neighbours lies aside, 1 as in a half-disc.

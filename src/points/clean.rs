@@ -3,7 +3,9 @@
 //! Nothing is taken out of the cloud: the others are only not looked at when holes are searched and
 //! filled.
 
+use super::boundary::widest_gap;
 use super::neighbours::{Neighbours, COUNT};
+use super::normals::principal_axes;
 use crate::error::{Error, Result};
 use crate::mesh::VertexView;
 use crate::progress::Monitor;
@@ -15,6 +17,14 @@ const DOUBLE: f64 = 0.25;
 /// A point whose neighbours are so many times farther away than theirs lies alone. Rims of holes
 /// reach 1.8 on even clouds, corners of thin strips 2.2.
 const ALONE: f64 = 2.5;
+/// A point whose neighbours are so many times farther away than theirs may lie in a sparse place: rims of
+/// holes, where a half-disc gives the neighbours, reach that.
+const WIDE: f64 = 1.8;
+/// It does if no angle between its neighbours is as wide as this (on a rim it is half a turn) ...
+const AROUND: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
+/// ... and it is no farther off their plane than this share of their distance, as on a surface that turns
+/// by 30° on the way. An outlier is as far off as they are.
+const FLAT: f64 = 0.3;
 /// A point this many spacings off the plane of its neighbours, ...
 const OFF: f64 = 0.7;
 /// ... and so many times as far as its neighbours are off theirs, lies beside the surface.
@@ -63,7 +73,8 @@ pub fn clean(cloud: VertexView<'_>, threads: usize, monitor: &Monitor) -> Result
     if outliers.len() * COUNT > points.len() {
         neighbours = Neighbours::new(&points, threads, monitor)?;
     }
-    let spacing = neighbours.spacing(&neighbours.reach(&points));
+    let reach = neighbours.reach(&points);
+    let spacing = neighbours.spacing(&reach, &find_sparse(&points, &neighbours, &reach));
     Ok(Cleaned { ids, points, neighbours, spacing, missing, doubles, outliers })
 }
 
@@ -153,23 +164,51 @@ fn middle(mut all: Vec<f64>) -> f64 {
     *all.select_nth_unstable_by(half, f64::total_cmp).1
 }
 
+/// How many times farther away a point's neighbours are than theirs.
+fn loneliness(neighbours: &Neighbours, reach: &[f64], i: usize) -> f64 {
+    let near = neighbours.of(i).iter().map(|&q| reach[q as usize]).collect();
+    reach[i] / middle(near).max(f64::MIN_POSITIVE)
+}
+
 fn find_lonely(points: &[DVec3], neighbours: &Neighbours) -> Vec<bool> {
     let reach = neighbours.reach(points);
-    let lonely = |i: usize| {
-        let near = neighbours.of(i).iter().map(|&q| reach[q as usize]).collect();
-        reach[i] > ALONE * middle(near)
-    };
+    let sparse = find_sparse(points, neighbours, &reach);
+    let lonely = |i: usize| !sparse[i] && loneliness(neighbours, &reach, i) > ALONE;
     (0..points.len()).map(|i| !lonely(i)).collect()
 }
 
+/// The points in the midst of sparse places: few, but on the surface, and with neighbours all around.
+fn find_sparse(points: &[DVec3], neighbours: &Neighbours, reach: &[f64]) -> Vec<bool> {
+    let wide = |i: usize| loneliness(neighbours, reach, i) > WIDE;
+    let mut sparse: Vec<bool> = (0..points.len()).map(wide).collect();
+    // Those on the other side of the place name it, but are not among its nearest.
+    let named_by = neighbours.named_by(&sparse);
+    for i in 0..points.len() {
+        if !sparse[i] {
+            continue;
+        }
+        let more = named_by.get(&(i as u32)).map_or(&[][..], |m| m);
+        let near = neighbours.of(i).iter().chain(more).map(|&q| points[q as usize] - points[i]);
+        let count = near.clone().count() as f64;
+        let normal = principal_axes(near.clone().map(|d| (d, 1.0))).normal;
+        let x = normal.any_orthonormal_vector();
+        let y = normal.cross(x);
+        let off = near.clone().sum::<DVec3>().dot(normal).abs() / count;
+        let angles = near.map(|d| d.dot(y).atan2(d.dot(x))).collect();
+        sparse[i] = off < FLAT * reach[i] && widest_gap(angles) < AROUND;
+    }
+    sparse
+}
+
 fn find_off_plane(points: &[DVec3], neighbours: &Neighbours) -> Vec<bool> {
-    let spacing = neighbours.spacing(&neighbours.reach(points));
+    let reach = neighbours.reach(points);
+    let spacing = neighbours.spacing(&reach, &find_sparse(points, neighbours, &reach));
     let off: Vec<f64> = (0..points.len())
         .map(|i| {
             let near = neighbours.of(i).iter().take(12).map(|&q| (points[q as usize], 1.0));
             let count = near.clone().count().max(1) as f64;
             let centre = near.clone().map(|p| p.0).sum::<DVec3>() / count;
-            let normal = super::normals::principal_axes(near).normal;
+            let normal = principal_axes(near).normal;
             normal.dot(points[i] - centre).abs()
         })
         .collect();

@@ -2,18 +2,21 @@
 
 use super::boundary::probability;
 use super::clean::{clean, Cleaned};
+use super::field::Field;
 use super::neighbours::blocks;
-use super::normals::normals;
+use super::normals::normals as make_normals;
+use super::smooth::smooth;
 use super::spanning::{self, agree};
 use super::surface::surface;
 use super::tidy::{tidy, Rim, RimKind};
 use super::{
-    vertex_normals, Completion, Copied, HoleStatus, Origin, PointCompletion, Vertices, NONE,
+    vertex_normals, CleanedPoints, Completion, Copied, HoleStatus, Origin, PointCompletion,
+    Vertices, NONE,
 };
 use crate::error::{Error, Result};
 use crate::holes::{find_holes, HoleKind, HoleList};
 use crate::mesh::{MeshView, VertexView};
-use crate::options::{Appearance, Grouping, Sources};
+use crate::options::{Appearance, Cleaning, Grouping, Sources};
 use crate::progress::Monitor;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -38,6 +41,12 @@ pub struct PointHoles {
     /// points that are likely to lie on a boundary (Bendels et al. 2005). A hole that is not agreed on
     /// may be a sparse place. Empty in a completion, which does not ask it.
     pub agreed: Vec<bool>,
+    /// For each hole whether the distance field has one there, a third detector (Park et al. 2006): what
+    /// grows inside meets what grows outside. `None` where it cannot say: an open surface has no inside.
+    /// Empty in a completion, which does not ask it.
+    pub in_field: Vec<Option<bool>>,
+    /// Centres of the places that only the distance field takes for holes.
+    pub only_in_field: Vec<[f64; 3]>,
     /// The middle one of the distances to the sixth neighbour, in cloud units.
     pub spacing: f64,
     /// Points without coordinates (all three NaN); they are passed through and otherwise ignored.
@@ -56,8 +65,8 @@ pub fn find_point_holes(
     threads: usize,
     monitor: &Monitor,
 ) -> Result<PointHoles> {
-    let scaffold = Scaffold::asking(points, normals, Second::Asked, threads, monitor)?;
-    let vertices = Vertices::new(points, &scaffold.ids);
+    let scaffold = Scaffold::asking(points, normals, (Others::Asked, None), threads, monitor)?;
+    let vertices = scaffold.vertices(points);
     let mesh = MeshView { vertices: vertices.view(), faces: (&scaffold.faces[..]).into() };
     let grouping = scaffold.local_grouping(mesh, grouping, monitor)?;
     let list = find_holes(mesh, &grouping, monitor)?;
@@ -70,15 +79,17 @@ pub(super) struct Scaffold {
     pub ids: Vec<u32>,
     /// Its triangles, over its own vertices.
     pub faces: Vec<[u32; 3]>,
+    /// Where its vertices lie if the points were smoothed.
+    pub smoothed: Option<Vec<DVec3>>,
     rims: Vec<Rim>,
-    /// Whether the rims know what the second detector says.
+    /// Whether the rims know what the other detectors say.
     asked: bool,
     found: PointHoles,
 }
 
-/// Whether the second detector is asked.
+/// Whether the other detectors are asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Second {
+enum Others {
     Asked,
     Silent,
 }
@@ -87,16 +98,17 @@ impl Scaffold {
     pub fn new(
         cloud: VertexView<'_>,
         given: Option<VertexView<'_>>,
+        clean: Option<Cleaning>,
         threads: usize,
         monitor: &Monitor,
     ) -> Result<Self> {
-        Self::asking(cloud, given, Second::Silent, threads, monitor)
+        Self::asking(cloud, given, (Others::Silent, clean), threads, monitor)
     }
 
     fn asking(
         cloud: VertexView<'_>,
         given: Option<VertexView<'_>>,
-        second: Second,
+        (others, cleaning): (Others, Option<Cleaning>),
         threads: usize,
         monitor: &Monitor,
     ) -> Result<Self> {
@@ -115,7 +127,17 @@ impl Scaffold {
                 .map(|n| if n.is_finite() { n.normalize_or_zero() } else { DVec3::ZERO })
                 .collect()
         });
-        let normals = normals(&points, &neighbours, given.as_deref(), threads, monitor)?;
+        let side = given.as_deref();
+        let mut normals = make_normals(&points, &neighbours, side, threads, monitor)?;
+        let mut points = points;
+        let rounds = cleaning.map_or(0, |c| c.rounds);
+        if rounds > 0 {
+            points = smooth(&points, &normals, &neighbours, &spacing, rounds, threads, monitor)?;
+            if cloud.is_single() {
+                points.iter_mut().for_each(|p| *p = p.as_vec3().as_dvec3());
+            }
+            normals = make_normals(&points, &neighbours, side, threads, monitor)?;
+        }
         monitor.step(0.02, "meshing")?;
         let mut surface =
             surface(&points, &normals, &neighbours.mutual(), &spacing, threads, monitor)?;
@@ -125,11 +147,21 @@ impl Scaffold {
             let each = |&v: &u32| probability(&points, &normals, &neighbours, v as usize);
             rim.probability = rim.points.iter().map(each).sum::<f64>() / rim.points.len() as f64;
         }
-        if second == Second::Asked {
+        let mut only_in_field = Vec::new();
+        if others == Others::Asked {
             let each = |v: usize| probability(&points, &normals, &neighbours, v);
             let likely = blocks(points.len(), threads, monitor, &each)?;
             let loops = spanning::loops(&points, &neighbours, &likely, monitor)?;
-            rims.iter_mut().for_each(|r| r.agreed = agree(&r.points, &loops, &neighbours));
+            let field = Field::new(&points, &normals, &spacing, threads, monitor)?;
+            for rim in &mut rims {
+                rim.agreed = agree(&rim.points, &loops, &neighbours);
+                rim.in_field = field.agrees(&rim.points, &neighbours);
+            }
+            let known: Vec<&[u32]> = rims.iter().map(|r| &r.points[..]).collect();
+            let alone = field.others(&known, &neighbours).into_iter();
+            let at = |v: &u32| points[*v as usize];
+            let centre = |o: Vec<u32>| o.iter().map(at).sum::<DVec3>() / o.len() as f64;
+            only_in_field = alone.map(|o| centre(o).to_array()).collect();
         }
         let alive = surface.triangles.iter().zip(&surface.dropped).filter(|t| !t.1);
         let faces: Vec<[u32; 3]> = alive.map(|t| *t.0).collect();
@@ -139,9 +171,39 @@ impl Scaffold {
         let mut middle = spacing;
         let half = middle.len() / 2;
         let spacing = *middle.select_nth_unstable_by(half, f64::total_cmp).1;
-        let found = PointHoles { spacing, missing, doubles, outliers, ..PointHoles::default() };
-        let asked = second == Second::Asked;
-        Ok(Self { ids, faces, rims, asked, found })
+        let found = PointHoles {
+            spacing,
+            missing,
+            doubles,
+            outliers,
+            only_in_field,
+            ..PointHoles::default()
+        };
+        let asked = others == Others::Asked;
+        let smoothed = (rounds > 0).then_some(points);
+        Ok(Self { ids, faces, smoothed, rims, asked, found })
+    }
+
+    /// The vertices of the mesh.
+    pub fn vertices(&self, cloud: VertexView<'_>) -> Vertices {
+        let at = |i: usize| match &self.smoothed {
+            Some(points) => points[i].to_array(),
+            None => cloud.get(self.ids[i] as usize),
+        };
+        Vertices::new((0..self.ids.len()).map(at), cloud.is_single())
+    }
+
+    /// The cleaned copy of the cloud.
+    pub fn cleaned(&self, cloud: VertexView<'_>) -> CleanedPoints {
+        let mut positions: Vec<[f64; 3]> = (0..cloud.len()).map(|i| cloud.get(i)).collect();
+        let mut removed = vec![true; cloud.len()];
+        for (k, &i) in self.ids.iter().enumerate() {
+            removed[i as usize] = false;
+            if let Some(points) = &self.smoothed {
+                positions[i as usize] = points[k].to_array();
+            }
+        }
+        CleanedPoints { positions, removed }
     }
 
     /// The caller's grouping in the mesh's own numbers. Only a hole and the islands in it, and
@@ -225,6 +287,9 @@ impl Scaffold {
             let sum: f64 = rims.iter().map(|r| r.probability * r.points.len() as f64).sum();
             found.probability.push(sum / points.max(1.0));
             found.agreed.extend(self.asked.then(|| rims.iter().all(|r| r.agreed)));
+            let in_field =
+                || rims.iter().map(|r| r.in_field).reduce(|a, b| Some(a? && b?)).flatten();
+            found.in_field.extend(self.asked.then(in_field));
         }
         (found, numbers)
     }
@@ -275,12 +340,17 @@ impl Scaffold {
             }
         }
         (made.input_vertex_count, made.input_face_count) = (cloud.len(), 0);
-        let normals = new_normals(&made, cloud);
+        let at = |v: u32| match (&self.smoothed, self.ids.binary_search(&v)) {
+            (Some(points), Ok(i)) => points[i],
+            _ => DVec3::from(cloud.get(v as usize)),
+        };
+        let normals = new_normals(&made, cloud.len() as u32, &at);
         let mut faces = self.faces;
         faces.iter_mut().flatten().for_each(|v| *v = self.ids[*v as usize]);
         let copied = Copied { faces, origins };
         let values = Vec::new();
-        PointCompletion { completion: made, normals, source_points, values, copied, found }
+        let cleaned = None;
+        PointCompletion { completion: made, normals, source_points, values, copied, cleaned, found }
     }
 
     /// The input point nearest to an origin.
@@ -293,9 +363,8 @@ impl Scaffold {
 }
 
 /// Normals of the new points from the faces between them.
-fn new_normals(made: &Completion, cloud: VertexView<'_>) -> Vec<[f64; 3]> {
+fn new_normals(made: &Completion, input: u32, at: &dyn Fn(u32) -> DVec3) -> Vec<[f64; 3]> {
     // Only the points that the fill touches, numbered anew.
-    let input = cloud.len() as u32;
     let mut rim: Vec<u32> = made.faces.iter().flatten().copied().filter(|&v| v < input).collect();
     rim.sort_unstable();
     rim.dedup();
@@ -305,7 +374,7 @@ fn new_normals(made: &Completion, cloud: VertexView<'_>) -> Vec<[f64; 3]> {
         None => (new + rim.binary_search(&v).unwrap_or(0)) as u32,
     };
     let mut positions: Vec<DVec3> = made.vertices.iter().map(|&p| p.into()).collect();
-    positions.extend(rim.iter().map(|&v| DVec3::from(cloud.get(v as usize))));
+    positions.extend(rim.iter().map(|&v| at(v)));
     let normals = vertex_normals(&positions, made.faces.iter().map(|f| f.map(local)));
     normals[..new].iter().map(|n| n.to_array()).collect()
 }

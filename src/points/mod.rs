@@ -6,9 +6,11 @@
 
 mod boundary;
 mod clean;
+mod field;
 mod holes;
 mod neighbours;
 mod normals;
+mod smooth;
 mod spanning;
 mod surface;
 mod tidy;
@@ -44,8 +46,19 @@ pub struct PointCompletion {
     pub values: Vec<f64>,
     /// What else the points carry can be copied with it.
     pub copied: Copied,
+    /// The cleaned copy that was completed, if [`Options::clean`] asked for one.
+    pub cleaned: Option<CleanedPoints>,
     /// All holes and borders found, filled or not.
     pub found: PointHoles,
+}
+
+/// A cleaned copy of a cloud, point by point.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CleanedPoints {
+    /// For each input point where it lies without the noise; one that was removed where it was.
+    pub positions: Vec<[f64; 3]>,
+    /// For each input point whether it was removed: beside the surface, a double, or without coordinates.
+    pub removed: Vec<bool>,
 }
 
 /// The mesh that was laid through the points, and where on it the detail was copied from.
@@ -95,8 +108,9 @@ pub fn complete_points_with(
     let (clock, cpu) = (Instant::now(), ProcessTime::now());
     options.check()?;
     check_options(options)?;
-    let scaffold = Scaffold::new(points, normals, options.threads, monitor)?;
-    let vertices = Vertices::new(points, &scaffold.ids);
+    let scaffold = Scaffold::new(points, normals, options.clean, options.threads, monitor)?;
+    let cleaned = options.clean.map(|_| scaffold.cleaned(points));
+    let vertices = scaffold.vertices(points);
     let mesh = MeshView { vertices: vertices.view(), faces: (&scaffold.faces[..]).into() };
     let grouping = scaffold.local_grouping(mesh, &options.grouping, monitor)?;
     let completer = Completer::new(mesh, &grouping, monitor)?.of_points();
@@ -107,12 +121,14 @@ pub fn complete_points_with(
     let appearance = appearance.map(|a| scaffold.appearance(a, points.len(), &options.sources));
     let appearance = appearance.transpose()?.map(Arc::new);
     let selection = Selection::Ids(ids);
-    let local = Options { selection, grouping, appearance: appearance.clone(), ..options.clone() };
+    let appearance_of = appearance.clone();
+    let own = Options { clean: None, ..options.clone() };
+    let local = Options { selection, grouping, appearance: appearance_of, ..own };
     let made = completer.complete(&local, monitor)?;
     let exemplar = options.sources.exemplar.as_deref();
     let values = appearance.map(|a| a.complete(mesh.faces, exemplar, &made)).unwrap_or_default();
     let made = scaffold.into_points(made, points, found, &numbers);
-    let mut made = PointCompletion { values, ..made };
+    let mut made = PointCompletion { values, cleaned, ..made };
     made.completion.seconds = clock.elapsed().as_secs_f64();
     made.completion.cpu_seconds = cpu.elapsed().as_secs_f64();
     Ok(made)
@@ -152,9 +168,8 @@ enum Vertices {
 }
 
 impl Vertices {
-    fn new(points: VertexView<'_>, ids: &[u32]) -> Self {
-        let all = ids.iter().map(|&i| points.get(i as usize));
-        if points.is_single() {
+    fn new(all: impl Iterator<Item = [f64; 3]>, single: bool) -> Self {
+        if single {
             Self::Single(all.map(|p| p.map(|x| x as f32)).collect())
         } else {
             Self::Double(all.collect())

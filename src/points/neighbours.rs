@@ -5,6 +5,7 @@ use crate::parallel;
 use crate::progress::Monitor;
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 
 /// Neighbours kept for each point: on an even cloud they reach 2.3 spacings far, which is more than
@@ -100,6 +101,19 @@ impl Neighbours {
         Self { starts, ids }
     }
 
+    /// For each of the `wanted` points all that have it in their lists, beyond its own.
+    pub fn named_by(&self, wanted: &[bool]) -> BTreeMap<u32, Vec<u32>> {
+        let mut all: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for i in 0..self.starts.len() - 1 {
+            for &q in self.of(i).iter().filter(|&&q| wanted[q as usize]) {
+                if !self.of(q as usize).contains(&(i as u32)) {
+                    all.entry(q).or_default().push(i as u32);
+                }
+            }
+        }
+        all
+    }
+
     /// For each point the distance of its sixth neighbour, or the last there is.
     pub fn reach(&self, points: &[DVec3]) -> Vec<f64> {
         let reach = |i: usize| match self.of(i) {
@@ -110,8 +124,10 @@ impl Neighbours {
     }
 
     /// The spacing around each point: the middle one of the reaches of the point and its neighbours,
-    /// so that the rim of a hole, where a half-disc has to give six neighbours, does not count.
-    pub fn spacing(&self, reach: &[f64]) -> Vec<f64> {
+    /// so that the rim of a hole, where a half-disc has to give six neighbours, does not count. Where
+    /// the points are known to be `sparse` the own reach, if that is more: most of the neighbours are beyond
+    /// the sparse place.
+    pub fn spacing(&self, reach: &[f64], sparse: &[bool]) -> Vec<f64> {
         let mut all = Vec::with_capacity(COUNT + 1);
         (0..reach.len())
             .map(|i| {
@@ -119,9 +135,45 @@ impl Neighbours {
                 all.push(reach[i]);
                 all.extend(self.of(i).iter().map(|&q| reach[q as usize]));
                 let middle = all.len() / 2;
-                *all.select_nth_unstable_by(middle, f64::total_cmp).1
+                let middle = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
+                if sparse[i] {
+                    middle.max(reach[i])
+                } else {
+                    middle
+                }
             })
             .collect()
+    }
+}
+
+/// The neighbours of every point, by edges.
+pub struct Graph {
+    starts: Vec<u32>,
+    ids: Vec<u32>,
+}
+
+impl Graph {
+    /// Of one point.
+    pub fn of(&self, i: usize) -> &[u32] {
+        &self.ids[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+
+    /// From edges between so many points.
+    pub fn new(count: usize, edges: &[[u32; 2]]) -> Self {
+        let mut starts = vec![0u32; count + 1];
+        edges.iter().flatten().for_each(|&v| starts[v as usize + 1] += 1);
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        let mut free = starts.clone();
+        let mut ids = vec![0; 2 * edges.len()];
+        for &[a, b] in edges {
+            for (from, to) in [(a, b), (b, a)] {
+                ids[free[from as usize] as usize] = to;
+                free[from as usize] += 1;
+            }
+        }
+        Self { starts, ids }
     }
 }
 

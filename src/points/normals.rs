@@ -7,7 +7,7 @@
 //! - Which side is out is voted on by the six extreme points of a component, not by one: there may
 //!   be a hole at the top. Normals that the caller has settle it instead.
 
-use super::neighbours::{blocks, Neighbours};
+use super::neighbours::{blocks, Graph, Neighbours};
 use crate::error::Result;
 use crate::mesh::roots::Roots;
 use crate::progress::Monitor;
@@ -119,37 +119,8 @@ fn outward_vote(points: &[DVec3], normals: &[DVec3], component: &[u32]) -> f64 {
     axes.iter().map(|&a| vote(a) + vote(-a)).sum()
 }
 
-/// Neighbours in the tree.
-struct Tree {
-    starts: Vec<u32>,
-    ids: Vec<u32>,
-}
-
-impl Tree {
-    fn of(&self, i: usize) -> &[u32] {
-        &self.ids[self.starts[i] as usize..self.starts[i + 1] as usize]
-    }
-
-    fn new(count: usize, edges: &[[u32; 2]]) -> Self {
-        let mut starts = vec![0u32; count + 1];
-        edges.iter().flatten().for_each(|&v| starts[v as usize + 1] += 1);
-        for i in 1..starts.len() {
-            starts[i] += starts[i - 1];
-        }
-        let mut free = starts.clone();
-        let mut ids = vec![0; 2 * edges.len()];
-        for &[a, b] in edges {
-            for (from, to) in [(a, b), (b, a)] {
-                ids[free[from as usize] as usize] = to;
-                free[from as usize] += 1;
-            }
-        }
-        Self { starts, ids }
-    }
-}
-
 /// Kruskal's tree over the edges between neighbours, those between like normals first.
-fn spanning_tree(points: &[DVec3], normals: &[DVec3], neighbours: &Neighbours) -> Tree {
+fn spanning_tree(points: &[DVec3], normals: &[DVec3], neighbours: &Neighbours) -> Graph {
     let linked = |i: usize| neighbours.of(i).iter().take(LINKS);
     let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(points.len() * 5);
     for i in 0..points.len() {
@@ -168,5 +139,5 @@ fn spanning_tree(points: &[DVec3], normals: &[DVec3], neighbours: &Neighbours) -
     let mut roots = Roots::new(points.len());
     let kept = edges.iter().filter(|&&(_, a, b)| roots.join(a, b)).map(|&(_, a, b)| [a, b]);
     let kept: Vec<[u32; 2]> = kept.collect();
-    Tree::new(points.len(), &kept)
+    Graph::new(points.len(), &kept)
 }

@@ -154,6 +154,7 @@ void test_enums(void) {
   REFUSED(selection, COMPLETE_MESH_SELECTION_NEAR_VERTICES + 1);
   REFUSED(output, COMPLETE_MESH_OUTPUT_NEW_ONLY + 1);
   REFUSED(skip_unsafe, 2);
+  REFUSED(clean, 2);
   expect_refused(offsetof(complete_mesh_options, threads), 1025, "threads", range);
   opts = defaults();
   opts.sizing = COMPLETE_MESH_SIZING_SCALED;

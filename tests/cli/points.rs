@@ -54,6 +54,40 @@ fn holes_of_a_cloud_are_listed() {
     let probability = holes[0]["boundary_probability"].as_f64().unwrap();
     assert!((0.35..=1.0).contains(&probability), "{probability}");
     assert!(holes.iter().all(|h| h["agreed"] == true), "{holes:?}");
+    assert!(holes[0]["boundary_loops"] == true && holes[0]["distance_field"] == true, "{holes:?}");
+    assert_eq!(done[0]["only_distance_field"].as_array().map(Vec::len), Some(0));
+    let (out, _) = place.expect(0, "holes in.ply");
+    assert!(out.contains("mesh loops field"), "{out}");
+}
+
+/// The input comes back first all the same; the cleaned copy is a file of its own.
+#[test]
+fn a_cleaned_copy_is_completed_and_written() {
+    let place = Place::new();
+    let count = cloud(&place, "in.ply");
+    let (bits, _) = geometry(&place.path("in.ply"));
+    let mut all: Vec<[f64; 3]> = bits.iter().map(|p| p.map(f64::from_bits)).collect();
+    for (i, p) in all.iter_mut().enumerate() {
+        let wave = 1.0 + 4e-4 * ((i * 7919 % 1009) as f64 / 504.5 - 1.0);
+        [p[0], p[2]] = [p[0] * wave, p[2] * wave];
+    }
+    all.push(all[40].map(|x| 1.3 * x + 0.2));
+    let all: Vec<[f32; 3]> = all.iter().map(|p| p.map(|x| x as f32)).collect();
+    Document::from_mesh_f32(all, Vec::new()).unwrap().write(&place.path("rough.ply")).unwrap();
+    place.expect(0, "fill rough.ply -o out.ply --clean --cleaned clean.ply --method smooth");
+    assert_kept(&place.path("rough.ply"), &place.path("out.ply"));
+    let (out, _) = geometry(&place.path("out.ply"));
+    let (clean, _) = geometry(&place.path("clean.ply"));
+    assert_eq!(clean.len(), out.len() - 1, "the outlier is gone");
+    assert_eq!(clean[count..], out[count + 1..], "new points");
+    assert!((0..count).filter(|&i| clean[i] != out[i]).count() > count / 2);
+    // Nothing is moved in no rounds.
+    place.expect(0, "fill rough.ply -o out.ply --clean=0 --cleaned clean.xyz --method smooth");
+    let (still, _) = geometry(&place.path("clean.xyz"));
+    assert_eq!(still[..count], out[..count]);
+    let (_, why) = place.expect(4, "fill rough.ply -o out.ply --clean=101");
+    assert!(why.contains("101 rounds"), "{why}");
+    place.expect(2, "fill rough.ply -o out.ply --cleaned clean.ply");
 }
 
 #[test]

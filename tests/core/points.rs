@@ -3,8 +3,8 @@
 use complete_mesh::io::{Document, Extras, Format};
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample};
 use complete_mesh::{
-    complete_points, find_point_holes, Appearance, Error, Grouping, HoleStatus, Method, Monitor,
-    Options, PointCompletion, PointHoles, Selection, Sources,
+    complete_points, find_point_holes, Appearance, Cleaning, Error, Grouping, HoleStatus, Method,
+    Monitor, Options, PointCompletion, PointHoles, Selection, Sources,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -97,10 +97,128 @@ fn every_hole_is_found_and_no_other() {
     let ratio = missing / gone.len() as f64;
     assert!((0.8..1.3).contains(&ratio), "{ratio} of the points that are missing");
     assert!(found.probability.iter().all(|p| *p > 0.35), "{:?}", found.probability);
-    assert_eq!(found.agreed, [true; 3], "both detectors see them");
+    assert_eq!(found.agreed, [true; 3], "likely points close loops around them");
+    assert_eq!(found.in_field, [Some(true); 3], "inner and outer contours meet in them");
+    assert!(found.only_in_field.is_empty(), "{:?}", found.only_in_field);
+    let rough = find(&noisy(&kept, 0.3 * h / 3f64.sqrt()));
+    assert_eq!((&rough.in_field[..], rough.only_in_field.len()), (&[Some(true); 3][..], 0));
     // The whole sphere has none.
-    assert_eq!(find(&sphere(6000)).list.holes.len(), 0);
-    assert_eq!(find(&noisy(&sphere(6000), 0.3 * h / 3f64.sqrt())).list.holes.len(), 0);
+    for whole in [sphere(6000), noisy(&sphere(6000), 0.3 * h / 3f64.sqrt())] {
+        let found = find(&whole);
+        assert_eq!((found.list.holes.len(), found.only_in_field.len()), (0, 0));
+    }
+}
+
+/// Two balls joined by a neck, as wide as the hole in one of them: contours start in both balls and meet in
+/// the neck, which is no hole, both being inside.
+#[test]
+fn a_neck_between_two_chambers_is_no_hole_of_the_distance_field() {
+    let neck = 0.35;
+    let ball = |x: f64, side: f64| {
+        let all = sphere(6000)
+            .into_iter()
+            .filter(move |p| DVec3::from(*p).distance(DVec3::X * side) > neck);
+        all.map(move |p| [p[0] + x, p[1], p[2]])
+    };
+    let h = spacing(6000);
+    let half = 1.3 - (1.0 - neck * neck / 2.0);
+    let rows = (2.0 * half / h).round() as usize;
+    let radius = neck * (1.0 - neck * neck / 4.0).sqrt();
+    let round = (std::f64::consts::TAU * radius / h).round() as usize;
+    let tube = (1..rows).flat_map(|i| {
+        let x = -half + 2.0 * half * i as f64 / rows as f64;
+        (0..round).map(move |j| {
+            let a = (j as f64 + 0.5 * (i % 2) as f64) / round as f64 * std::f64::consts::TAU;
+            [x, radius * a.cos(), radius * a.sin()]
+        })
+    });
+    let mut points: Vec<[f64; 3]> = ball(-1.3, 1.0).chain(tube).chain(ball(1.3, -1.0)).collect();
+    assert_eq!(find(&points).only_in_field.len(), 0);
+    points.retain(|p| DVec3::from(*p).distance(DVec3::new(2.3, 0.0, 0.0)) > neck);
+    let found = find(&points);
+    assert_eq!((found.list.holes.len(), &found.in_field[..]), (1, &[Some(true)][..]));
+    assert_eq!(found.only_in_field.len(), 0);
+}
+
+/// Outliers go, noise becomes less, the input does not change and comes first; the fill continues the
+/// cleaned copy. At three strengths of noise, the shape known.
+#[test]
+fn a_cleaned_copy_is_completed() {
+    let h = spacing(6000);
+    let (kept, _) = broken_sphere(6000);
+    let off = |all: &[[f64; 3]]| {
+        let square = all.iter().map(|p| (DVec3::from(*p).length() - 1.0).powi(2)).sum::<f64>();
+        (square / all.len() as f64).sqrt() / h
+    };
+    for part in [0.1, 0.2, 0.3] {
+        let mut points = noisy(&kept, part * h / 3f64.sqrt());
+        let count = points.len();
+        for i in 0..count / 200 {
+            let aside = 2.0 + 8.0 * chance(i as u64 + 5);
+            let from = DVec3::from(kept[200 * i]);
+            points.push((from * (1.0 + aside * h)).to_array());
+        }
+        let clean = Some(Cleaning::default());
+        let options = Options { method: Method::Smooth, threads: 1, clean, ..Options::default() };
+        let before = points.clone();
+        let made = complete_points(&points[..], None, &options).unwrap();
+        assert_eq!((points, made.completion.input_vertex_count), (before.clone(), before.len()));
+        let cleaned = made.cleaned.unwrap();
+        assert_eq!((cleaned.positions.len(), cleaned.removed.len()), (before.len(), before.len()));
+        assert!(cleaned.removed[count..].iter().all(|r| *r), "noise {part}: all outliers go");
+        let gone = cleaned.removed[..count].iter().filter(|r| **r).count();
+        assert!(gone * 1000 <= count, "noise {part}: {gone} of {count} good points are gone");
+        let left: Vec<[f64; 3]> =
+            (0..count).filter(|&i| !cleaned.removed[i]).map(|i| cleaned.positions[i]).collect();
+        let raw: Vec<[f64; 3]> =
+            (0..count).filter(|&i| !cleaned.removed[i]).map(|i| before[i]).collect();
+        assert!(off(&left) < 0.5 * off(&raw), "noise {part}: {} of {}", off(&left), off(&raw));
+        // What the noise does to the fill, with and without.
+        let plain = complete_points(&before[..], None, &Options { clean: None, ..options.clone() });
+        let plain = plain.unwrap();
+        assert_eq!(plain.cleaned, None);
+        let [with, without] = [&made.completion, &plain.completion].map(|c| off(&c.vertices));
+        assert!(with < 0.7 * without, "noise {part}: {with} of {without}");
+    }
+    // Nothing is moved in no rounds; more than the limit, and a mesh, are refused.
+    let still = Options { clean: Some(Cleaning { rounds: 0 }), ..Options::default() };
+    let made = complete_points(&kept[..], None, &still).unwrap();
+    assert_eq!(made.cleaned.unwrap().positions, kept);
+    let wild = Options { clean: Some(Cleaning { rounds: 101 }), ..Options::default() };
+    let refused = |e: Error| matches!(e, Error::InvalidOption { name: "clean", .. });
+    assert!(refused(complete_points(&kept[..], None, &wild).unwrap_err()));
+    let faces: &[[u32; 3]] = &[[0, 1, 2]];
+    let made = complete_mesh::complete_mesh(&kept[..], faces, &still);
+    assert!(refused(made.unwrap_err()));
+}
+
+/// From pole to pole the spacing grows by a factor of ten: nothing there is a hole but the one that is.
+#[test]
+fn wildly_uneven_density_makes_no_hole_and_hides_none() {
+    // Rings from pole to pole, each as far from the last as its points are apart.
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let (mut angle, mut row) = (0.005, 0);
+    while angle < std::f64::consts::PI - 0.02 {
+        let step = 0.01 * 10f64.powf(angle / std::f64::consts::PI);
+        let (s, c) = f64::sin_cos(angle);
+        let count = (std::f64::consts::TAU * s / step).ceil().max(3.0) as usize;
+        points.extend((0..count).map(|j| {
+            let a = (j as f64 + 0.5 * f64::from(row % 2)) / count as f64 * std::f64::consts::TAU;
+            [s * a.cos(), s * a.sin(), c]
+        }));
+        angle += 0.87 * step;
+        row += 1;
+    }
+    let whole = find(&points);
+    assert_eq!(whole.list.holes.len(), 0, "{:?}", whole.list.holes);
+    for (centre, radius) in [([0.6, 0.0, 0.8], 0.1), ([0.0, 0.6, -0.8], 0.4)] {
+        let centre = DVec3::from(centre);
+        let with = points.iter().filter(|p| DVec3::from(**p).distance(centre) > radius);
+        let found = find(&with.copied().collect::<Vec<_>>());
+        assert_eq!(found.list.holes.len(), 1, "{:?}", found.list.holes);
+        assert!(DVec3::from(found.list.holes[0].centre).distance(centre) < 0.3 * radius);
+        assert_eq!(found.in_field, [Some(true)]);
+    }
 }
 
 #[test]

@@ -31,6 +31,7 @@ void check_defaults() {
   CHECK(got.initial_vertex_count == c.initial_vertex_count && got.initial_faces == c.initial_faces);
   CHECK(got.initial_face_count == c.initial_face_count);
   CHECK(got.vertex_values == c.vertex_values && got.exemplar_values == c.exemplar_values);
+  CHECK(got.clean == c.clean && got.clean_rounds == c.clean_rounds);
   CHECK(got.value_channels == c.value_channels && got.steering_channels == c.steering_channels);
 }
 
@@ -48,6 +49,7 @@ void check_all_fields() {
   options.selection_length = 2.5;
   options.selection_point = {1, 2, 3};
   options.skip_unsafe = true;
+  options.clean = 5;
   options.threads = 3;
   options.output = mc::Output::new_only;
   options.progress = [](double, const char*) {};
@@ -79,6 +81,7 @@ void check_all_fields() {
   CHECK(c.selection_max_edges == 17 && c.selection_length == 2.5);
   CHECK(c.selection_point[0] == 1 && c.selection_point[1] == 2 && c.selection_point[2] == 3);
   CHECK(c.skip_unsafe == 1 && c.threads == 3 && c.output == COMPLETE_MESH_OUTPUT_NEW_ONLY);
+  CHECK(c.clean == 1 && c.clean_rounds == 5);
   CHECK(c.progress != nullptr && c.progress_user != nullptr);
   const double corners[] = {1, 2, 3, 4, 5, 6, 7, 8, 9.1}, added[] = {0.1, 0, 0};
   const std::uint32_t triangles[] = {0, 1, 2, 2, 1, 0}, more[] = {3, 4, 5};

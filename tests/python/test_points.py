@@ -66,6 +66,26 @@ def test_values(cloud):
     assert complete_points(cloud, method="smooth").new_point_values.shape[1] == 0
 
 
+def test_cleaning(cloud):
+    rng = np.random.default_rng(5)
+    spacing = np.sqrt(4 * np.pi / 3000)
+    rough = cloud * (1 + 0.2 * spacing * rng.standard_normal(len(cloud)))[:, None]
+    astray = np.arange(0, len(cloud), 250)
+    rough[astray] *= 1.3
+    result = complete_points(rough, clean=True, method="smooth")
+    assert same(result.points[: len(rough)], rough)
+    assert result.removed_points[astray].all() and result.removed_points.sum() <= len(astray) + 2
+    kept = ~result.removed_points
+    off = [np.std(np.linalg.norm(p[kept], axis=1)) for p in (rough, result.cleaned_points)]
+    assert off[1] < 0.6 * off[0]
+    assert np.std(np.linalg.norm(result.new_points, axis=1)) < 0.15 * spacing
+    still = complete_points(rough, clean=0, method="smooth")
+    assert same(still.cleaned_points, rough) and same(still.removed_points, result.removed_points)
+    assert complete_points(cloud, method="smooth").cleaned_points is None
+    with pytest.raises(CompleteMeshError, match="clean"):
+        complete_points(rough, clean=101)
+
+
 def test_errors(cloud):
     with pytest.raises(CompleteMeshError, match="on one line") as raised:
         complete_points(np.arange(30.0).reshape(-1, 1) * [[1, 2, 3]])

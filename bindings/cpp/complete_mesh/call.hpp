@@ -83,6 +83,8 @@ class Call {
     c_.join_sizes = join_sizes_.empty() ? nullptr : join_sizes_.data();
     c_.join_count = join_sizes_.size();
     c_.skip_unsafe = options.skip_unsafe ? 1 : 0;
+    c_.clean = options.clean ? 1 : 0;
+    if (options.clean) c_.clean_rounds = *options.clean;
     c_.threads = options.threads;
     c_.output = static_cast<std::uint32_t>(options.output);
   }

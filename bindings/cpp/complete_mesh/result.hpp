@@ -189,6 +189,16 @@ class Result {
   Rows<double, 3> new_point_normals() const {
     return of_points<Rows<double, 3>>(complete_mesh_result_new_vertex_normals(get()));
   }
+  // Of a cloud that Options::clean asked to clean, for each input point: where it lies in the copy, and
+  // whether it is left out there; empty otherwise.
+  Rows<double, 3> cleaned_points() const {
+    const double* p = complete_mesh_result_cleaned_points(get());
+    return {p, p ? input_vertex_count() : 0};
+  }
+  View<std::uint8_t> removed_points() const {
+    const std::uint8_t* p = complete_mesh_result_removed_points(get());
+    return {p, p ? input_vertex_count() : 0};
+  }
   // Options::value_channels numbers for each new vertex; empty without Options::vertex_values.
   View<double> new_vertex_values() const {
     return {complete_mesh_result_new_vertex_values(get()), new_count() * value_channels_};

@@ -83,6 +83,8 @@ class Options(c.Structure):
         ("constraint_points", c_void_p),
         ("constraint_count", c_size_t),
         ("softness", c_double),
+        ("clean", c_uint32),
+        ("clean_rounds", c_uint32),
     ]
 
 
@@ -168,6 +170,8 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "result_new_vertex_confidences": (c_void_p, [c_void_p]),
     "result_new_vertex_source_points": (c_void_p, [c_void_p]),
     "result_new_vertex_normals": (c_void_p, [c_void_p]),
+    "result_cleaned_points": (c_void_p, [c_void_p]),
+    "result_removed_points": (c_void_p, [c_void_p]),
     "result_new_vertex_values": (c_void_p, [c_void_p]),
     "result_new_face_holes": (c_void_p, [c_void_p]),
     "result_holes": (c_void_p, [c_void_p]),

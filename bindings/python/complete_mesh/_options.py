@@ -6,7 +6,7 @@ from __future__ import annotations
 import ctypes as c
 import signal
 import threading
-from typing import Any, Callable, Optional, Sequence
+from typing import Any, Callable, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -62,6 +62,7 @@ class Call:
         exemplar_parts: Optional[Sequence[int]] = None,
         constraint_points: Optional[ArrayLike] = None,
         softness: float = 0.0,
+        clean: Union[bool, int] = False,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -94,6 +95,9 @@ class Call:
             options.exemplar_parts = self._indices("exemplar_parts", exemplar_parts)
             options.exemplar_part_count = len(exemplar_parts)
         self._set_points(constraint_points, softness)
+        options.clean = clean is not False
+        if not isinstance(clean, bool):
+            options.clean_rounds = _unsigned("clean", clean)
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional, Sequence
+from typing import Any, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,6 +39,10 @@ class PointResult:
     new_point_values: NDArray[np.float64]
     """(k, c): what ``vertex_values`` are at the new points, copied from where the shape was copied from,
     else carried in from the rim; c is 0 without."""
+    cleaned_points: Optional[NDArray[np.float64]]
+    """(n, 3): where each input point lies in the cleaned copy; None without ``clean``."""
+    removed_points: Optional[NDArray[np.bool_]]
+    """(n,): whether it is left out there; None without ``clean``."""
     holes: Holes
     """All holes and borders of the input, filled or not: the report."""
     seconds: float
@@ -64,6 +68,12 @@ class PointResult:
         self.new_point_confidences = array("vertex_confidences", k, float)
         values = array("vertex_values", k * value_channels, float)
         self.new_point_values = values.reshape(k, value_channels)
+        self.cleaned_points = self.removed_points = None
+        if lib.result_removed_points(handle):
+            moved = copied(lib.result_cleaned_points(handle), points.size, np.dtype(float))
+            self.cleaned_points = moved.reshape(-1, 3)
+            flags = copied(lib.result_removed_points(handle), len(points), np.dtype(np.uint8))
+            self.removed_points = flags.astype(bool)
         self.holes = Holes(lib, lib.result_holes(handle))
         self.seconds = lib.result_seconds(handle)
         self.cpu_seconds = lib.result_cpu_seconds(handle)
@@ -111,6 +121,7 @@ def complete_points(
     exemplar_parts: Optional[Sequence[int]] = None,
     constraint_points: Optional[ArrayLike] = None,
     softness: float = 0.0,
+    clean: Union[bool, int] = False,
     threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> PointResult:
@@ -123,6 +134,9 @@ def complete_points(
         normals: (n, 3), any length, zero where unknown: which side is out; None: guessed.
         vertex_values: what the points carry, colours or any numbers, (n, c) or (n,): completed with the
             shape, see `PointResult.new_point_values`.
+        clean: complete a cleaned copy, without outliers, its noise smoothed so many times (0 to 100; True:
+            three times). ``points`` of the result are the input's all the same; see
+            `PointResult.cleaned_points`.
 
     The other arguments, and the errors, are those of `complete_mesh`, vertices being points.
     """

@@ -1,0 +1,183 @@
+//! How well the holes of clouds are found: meshes lose their faces, their boundary loops are the truth.
+//!
+//! `cargo run --release --example cloud_holes -- [--noise EDGES] [--outliers SHARE] [--list] MESH...`
+
+use complete_mesh::io::Document;
+use complete_mesh::mesh::normals::vertex_normals;
+use complete_mesh::options::Grouping;
+use complete_mesh::points::PointHoles;
+use complete_mesh::{find_holes, find_point_holes, MeshView, Monitor, VertexView};
+use glam::DVec3;
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::error::Error;
+
+/// Loops of fewer points are not asked for.
+const LEAST: usize = 13;
+/// Share of a rim's points that must lie beside the other, and how near, in mean edges.
+const SHARED: f64 = 0.5;
+const BESIDE: f64 = 2.0;
+/// Outliers lie so many mean edges beside the surface.
+const ASIDE: [f64; 2] = [2.0, 10.0];
+
+/// Even from -1 to 1, the same at each run.
+fn chance(seed: u64) -> f64 {
+    let mut x = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (x >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+/// Nearly normal, standard deviation 1: the sum of three even ones.
+fn normal(seed: u64) -> f64 {
+    (0..3).map(|k| chance(3 * seed + k)).sum()
+}
+
+struct Asked {
+    noise: f64,
+    outliers: f64,
+    list: bool,
+}
+
+#[derive(Default)]
+struct Score {
+    loops: usize,
+    found: usize,
+    others: usize,
+    /// Of the found and of the others, those that each further detector sees, and those that the field
+    /// cannot judge.
+    seen: [[usize; 3]; 2],
+}
+
+impl Score {
+    fn row(&self, name: &str) {
+        let counts = |s: [usize; 3]| format!("{} {} {}", s[0], s[1], s[2]);
+        let [found, others] = self.seen.map(counts);
+        println!(
+            "{:>6} {:>6} {:>10} {:>6} {:>10}  {name}",
+            self.loops, self.found, found, self.others, others
+        );
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (mut asked, mut meshes) = (Asked { noise: 0.0, outliers: 0.0, list: false }, Vec::new());
+    let mut words = std::env::args().skip(1);
+    let number = |word: Option<String>| -> Result<f64, Box<dyn Error>> {
+        Ok(word.ok_or("a number is missing")?.parse()?)
+    };
+    while let Some(word) = words.next() {
+        match &word[..] {
+            "--noise" => asked.noise = number(words.next())?,
+            "--outliers" => asked.outliers = number(words.next())?,
+            "--list" => asked.list = true,
+            _ => meshes.push(word),
+        }
+    }
+    let mut all = Score::default();
+    println!("{:>6} {:>6} {:>10} {:>6} {:>10}", "loops", "found", "seen", "others", "seen");
+    println!("seen: by loops, by the distance field, not to be judged by the field");
+    for path in &meshes {
+        let s = score(path, &asked)?;
+        s.row(path);
+        all.loops += s.loops;
+        all.found += s.found;
+        all.others += s.others;
+        (0..6).for_each(|k| all.seen[k / 3][k % 3] += s.seen[k / 3][k % 3]);
+    }
+    all.row("all");
+    Ok(())
+}
+
+/// The cloud of a mesh, and its mean edge.
+fn cloud(document: &Document, asked: &Asked) -> (Vec<[f64; 3]>, f64) {
+    let mesh = MeshView::new(document.vertices(), document.faces());
+    let faces: Vec<[u32; 3]> = (0..mesh.faces.len()).map(|f| mesh.faces.get(f)).collect();
+    let at = |v: usize| DVec3::from(mesh.vertices.get(v));
+    let points: Vec<DVec3> = (0..mesh.vertices.len()).map(at).collect();
+    let edges = faces.iter().map(|f| points[f[0] as usize].distance(points[f[1] as usize]));
+    let edge = edges.sum::<f64>() / faces.len() as f64;
+    let normals = vertex_normals(&points, faces.iter().copied());
+    let mut used = vec![false; points.len()];
+    faces.iter().flatten().for_each(|&v| used[v as usize] = true);
+    let kept: Vec<usize> = (0..points.len()).filter(|&v| used[v]).collect();
+    let shaken = |&v: &usize| points[v] + asked.noise * edge * normal(v as u64) * normals[v];
+    let mut all: Vec<DVec3> = kept.iter().map(shaken).collect();
+    let count = (asked.outliers * kept.len() as f64).round() as usize;
+    for i in 0..count {
+        let v = kept[i * kept.len() / count];
+        let [near, far] = ASIDE;
+        let t = chance(v as u64 + 77);
+        let aside = t.signum() * (near + (far - near) * t.abs());
+        all.push(points[v] + edge * aside * normals[v]);
+    }
+    (all.iter().map(|p| p.to_array()).collect(), edge)
+}
+
+fn score(path: &str, asked: &Asked) -> Result<Score, Box<dyn Error>> {
+    let document = Document::read(path.as_ref())?;
+    let mesh = MeshView::new(document.vertices(), document.faces());
+    let truth = find_holes(mesh, &Grouping::Separate, &Monitor::silent())?;
+    let (points, edge) = cloud(&document, asked);
+    let view: VertexView<'_> = (&points[..]).into();
+    let found = find_point_holes(view, None, &Grouping::Automatic, 0, &Monitor::silent())?;
+    let ends = |ids: &[u32], at: &dyn Fn(u32) -> [f64; 3]| ids.iter().map(|&v| at(v)).collect();
+    let rims: Vec<Vec<[f64; 3]>> =
+        truth.loops.iter().map(|l| ends(&l.vertices, &|v| mesh.vertices.get(v as usize))).collect();
+    let made: Vec<Vec<[f64; 3]>> =
+        found.list.loops.iter().map(|l| ends(&l.vertices, &|v| points[v as usize])).collect();
+    let near = BESIDE * edge;
+    let mut score = Score::default();
+    for (l, rim) in rims.iter().enumerate().filter(|(_, r)| r.len() >= LEAST) {
+        score.loops += 1;
+        if made.iter().any(|m| beside(rim, m, near) >= SHARED) {
+            score.found += 1;
+        } else if asked.list {
+            let b = &truth.loops[l];
+            println!(
+                "  missed {} points, {:.1} edges, at {:.4?}",
+                rim.len(),
+                b.length / edge,
+                b.centre
+            );
+        }
+    }
+    let every: Vec<[f64; 3]> = rims.iter().flatten().copied().collect();
+    for (h, hole) in found.list.holes.iter().enumerate().filter(|(h, _)| !found.borders[*h]) {
+        let other = !hole.loops.iter().any(|&l| beside(&made[l], &every, near) >= SHARED);
+        let field = found.in_field[h];
+        let seen = [found.agreed[h], field == Some(true), field.is_none()];
+        (0..3).for_each(|k| score.seen[usize::from(other)][k] += usize::from(seen[k]));
+        score.others += usize::from(other);
+        if asked.list && (other || seen[1..] == [false; 2]) {
+            tell(&found, h, edge, if other { "other" } else { "not in the field:" });
+        }
+    }
+    if asked.list && !found.only_in_field.is_empty() {
+        println!("  only in the field: {:.4?}", found.only_in_field);
+    }
+    Ok(score)
+}
+
+fn tell(found: &PointHoles, h: usize, edge: f64, what: &str) {
+    let hole = &found.list.holes[h];
+    println!(
+        "  {what} {} points, {:.1} edges, {:.0} missing, probability {:.2}, loops {}, field {:?}, at {:.4?}",
+        hole.edges,
+        hole.circumference / edge,
+        found.missing_in[h],
+        found.probability[h],
+        found.agreed[h],
+        found.in_field[h],
+        hole.centre
+    );
+}
+
+/// Share of the points of `a` that lie beside one of `b`.
+fn beside(a: &[[f64; 3]], b: &[[f64; 3]], near: f64) -> f64 {
+    if b.is_empty() {
+        return 0.0;
+    }
+    let tree: ImmutableKdTree<f64, 3> = ImmutableKdTree::new_from_slice(b);
+    let close = a.iter().filter(|p| tree.nearest_one::<SquaredEuclidean>(p).distance < near * near);
+    close.count() as f64 / a.len() as f64
+}
