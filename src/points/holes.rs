@@ -82,8 +82,6 @@ pub(super) struct Scaffold {
     /// Where its vertices lie if the points were smoothed.
     pub smoothed: Option<Vec<DVec3>>,
     rims: Vec<Rim>,
-    /// Whether the rims know what the other detectors say.
-    asked: bool,
     found: PointHoles,
 }
 
@@ -154,7 +152,7 @@ impl Scaffold {
             let loops = spanning::loops(&points, &neighbours, &likely, monitor)?;
             let field = Field::new(&points, &normals, &spacing, threads, monitor)?;
             for rim in &mut rims {
-                rim.agreed = agree(&rim.points, &loops, &neighbours);
+                rim.agreed = Some(agree(&rim.points, &loops, &neighbours));
                 rim.in_field = field.agrees(&rim.points, &neighbours);
             }
             let known: Vec<&[u32]> = rims.iter().map(|r| &r.points[..]).collect();
@@ -179,9 +177,8 @@ impl Scaffold {
             only_in_field,
             ..PointHoles::default()
         };
-        let asked = others == Others::Asked;
         let smoothed = (rounds > 0).then_some(points);
-        Ok(Self { ids, faces, smoothed, rims, asked, found })
+        Ok(Self { ids, faces, smoothed, rims, found })
     }
 
     /// The vertices of the mesh.
@@ -286,10 +283,11 @@ impl Scaffold {
             let points: f64 = rims.iter().map(|r| r.points.len() as f64).sum();
             let sum: f64 = rims.iter().map(|r| r.probability * r.points.len() as f64).sum();
             found.probability.push(sum / points.max(1.0));
-            found.agreed.extend(self.asked.then(|| rims.iter().all(|r| r.agreed)));
+            let agreed = rims.iter().try_fold(true, |all, r| Some(all & r.agreed?));
             let in_field =
-                || rims.iter().map(|r| r.in_field).reduce(|a, b| Some(a? && b?)).flatten();
-            found.in_field.extend(self.asked.then(in_field));
+                |_| rims.iter().map(|r| r.in_field).reduce(|a, b| Some(a? && b?)).flatten();
+            found.agreed.extend(agreed);
+            found.in_field.extend(agreed.map(in_field));
         }
         (found, numbers)
     }

@@ -32,9 +32,9 @@ pub struct Rim {
     pub missing: f64,
     /// Mean boundary probability of its points, once it is known.
     pub probability: f64,
-    /// Whether the loops of [`super::spanning`] agree, once they are known.
-    pub agreed: bool,
-    /// Whether the distance field agrees, once it is known; `None` if it cannot say.
+    /// Whether the loops of [`super::spanning`] agree, if they were asked.
+    pub agreed: Option<bool>,
+    /// Whether the distance field agrees, if it was asked and can say.
     pub in_field: Option<bool>,
 }
 
@@ -85,7 +85,7 @@ fn judge(surface: &Surface<'_>, points: Vec<u32>) -> (Rim, Vec<[u32; 3]>) {
         kind,
         missing,
         probability: 0.0,
-        agreed: false,
+        agreed: None,
         in_field: None,
     };
     if count >= SMALLEST_RIM && is_border(surface, &points) {
