@@ -166,7 +166,9 @@ fn a_cleaned_copy_is_completed() {
         let cleaned = made.cleaned.unwrap();
         assert_eq!((cleaned.positions.len(), cleaned.removed.len()), (before.len(), before.len()));
         assert!(cleaned.removed[count..].iter().all(|r| *r), "noise {part}: all outliers go");
-        let gone = cleaned.removed[..count].iter().filter(|r| **r).count();
+        let flags = |list: &[u32]| list.iter().all(|&i| cleaned.removed[i as usize]);
+        assert!(flags(&made.found.outliers) && flags(&made.found.doubles));
+        let gone = made.found.outliers.iter().filter(|&&i| (i as usize) < count).count();
         assert!(gone * 1000 <= count, "noise {part}: {gone} of {count} good points are gone");
         let left: Vec<[f64; 3]> =
             (0..count).filter(|&i| !cleaned.removed[i]).map(|i| cleaned.positions[i]).collect();
