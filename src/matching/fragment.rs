@@ -20,10 +20,7 @@ pub const RINGS: usize = 6;
 const FIRST: usize = 6;
 /// Places of all rings.
 pub const PLACES: usize = FIRST * RINGS * (RINGS + 1) / 2;
-/// Waves along a ring whose amplitudes are kept: the first ring has six places, which hold three.
-const WAVES: usize = 3;
-/// Of so many places one is looked at in a sketch; prime to the places of every ring, so that they lie
-/// all around.
+/// Of so many places one is looked at in a sketch: at least one in each ring, six in the widest.
 const SKETCHED: usize = 5;
 /// Turns that are tried, 10° apart: within reach of the ICP.
 pub const TURNS: usize = 36;
@@ -42,31 +39,6 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// Mean and amplitudes along a ring, weighted so that their squares add up to the mean square;
-    /// `None` if not all of it is known.
-    fn waves(&self, k: usize) -> Option<[f32; WAVES + 1]> {
-        let places = ring(k);
-        let n = places.len() as f64;
-        if places.clone().any(|i| self.confidence[i] <= 0.0) {
-            return None;
-        }
-        let amplitude = |m: usize| {
-            let wave = places.clone().enumerate().map(|(j, i)| {
-                let angle = m as f64 * j as f64 / n * TAU;
-                f64::from(self.height[i]) * DVec2::from_angle(angle)
-            });
-            let sum = wave.sum::<DVec2>() / n;
-            // A wave stands for its conjugate, too, but for the mean and the highest of a ring.
-            let pair = if m == 0 || 2 * m == places.len() { 1.0 } else { 2f64.sqrt() };
-            if m == 0 {
-                sum.x
-            } else {
-                pair * sum.length()
-            }
-        };
-        Some(std::array::from_fn(|m| amplitude(m) as f32))
-    }
-
     /// Nothing known.
     pub const EMPTY: Self = Self { height: [0.0; PLACES], confidence: [0.0; PLACES] };
 
@@ -102,9 +74,6 @@ pub struct Fragment {
     pub fine: Layer,
     /// Of the coarser surface, known in the hole, too.
     pub coarse: Layer,
-    /// For each ring of the coarser surface that is known all around the mean height and the amplitudes of
-    /// the first waves along it: no turn and no mirroring changes them.
-    waves: [Option<[f32; WAVES + 1]>; RINGS],
 }
 
 impl Fragment {
@@ -116,7 +85,7 @@ impl Fragment {
         mut meet: impl FnMut(DVec3, usize) -> [Option<(f64, f64)>; 2],
     ) -> Self {
         let (fine, coarse) = (Layer::EMPTY, Layer::EMPTY);
-        let mut made = Self { frame, fine, coarse, waves: [None; RINGS] };
+        let mut made = Self { frame, fine, coarse };
         for i in 0..PLACES {
             let at = radius * place(i);
             let origin = frame.centre + frame.axes * at.extend(0.0);
@@ -128,7 +97,6 @@ impl Fragment {
                 }
             }
         }
-        made.waves = std::array::from_fn(|k| made.coarse.waves(k + 1));
         made
     }
 
@@ -152,18 +120,6 @@ impl Fragment {
     /// δ of the fine layer alone, neither turned nor mirrored.
     pub fn fine_distance(&self, source: &Self) -> Option<f64> {
         difference(&self.fine, &source.fine, &Turned::new(0, false), 1)
-    }
-
-    /// A bound that no turn of a source by whole places goes below: by Parseval the squared difference of
-    /// two rings is at least that of their means and of their waves' amplitudes.
-    pub fn least_distance(&self, source: &Self) -> f64 {
-        let of = |(k, (a, b)): (usize, (&Option<[f32; WAVES + 1]>, &Option<[f32; WAVES + 1]>))| {
-            let (Some(a), Some(b)) = (a, b) else { return 0.0 };
-            let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
-            ring(k + 1).len() as f32 * squares.sum::<f32>()
-        };
-        let sum: f32 = self.waves.iter().zip(&source.waves).enumerate().map(of).sum();
-        COARSE * f64::from(sum) / PLACES as f64
     }
 
     /// The transform that lays a source turned so over this (source to target).
@@ -361,7 +317,9 @@ mod tests {
             for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
                 assert!(back.mul_vec3(axis).distance(axis) < 1e-9, "{back}");
             }
-            assert!(target.least_distance(&source) <= best);
+            let sketched = |t: &Turned| target.sketched_distance(&source, t).unwrap();
+            let own = Turned::new(t, m);
+            assert!(Turned::all(true).iter().all(|o| sketched(&own) <= sketched(&o.2)), "sketch");
         }
     }
 

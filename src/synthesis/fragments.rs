@@ -32,8 +32,7 @@ const MOST: usize = 3000;
 const ALIGNED: usize = 6;
 /// Steps of an alignment at most.
 const STEPS: usize = 8;
-/// Candidates that are compared at every place: the best by a sketch. The waves of the coarser rings alone
-/// sort out the wrong ones, as long as what is in the hole is guessed: a periodic relief was missed.
+/// Candidates that are compared at every place: the best by a sketch.
 const COMPARED: usize = 100;
 /// Candidates worked on between two looks at the wish to stop.
 const BATCH: usize = 64;
@@ -413,28 +412,18 @@ impl<'a> Filling<'a> {
         };
         let sketches = parallel::map(all.len().div_ceil(BATCH), self.threads, check, &sketch)?;
         let sketches = least(sketches.into_iter().flatten().collect(), COMPARED);
-        let compare = |block: usize| {
-            let mut found: Vec<Candidate> = Vec::new();
-            let mut best = f64::INFINITY;
-            let part = block * BATCH..sketches.len().min((block + 1) * BATCH);
-            for &(_, c) in &sketches[part] {
-                let (source, bland) = (&all[c].0, bland(c));
-                if bland * own.least_distance(source) >= best {
-                    continue;
-                }
-                for (turn, mirrored, turned) in *turns {
-                    let Some(d) = own.distance(source, turned) else { continue };
-                    if bland * d < best {
-                        best = bland * d;
-                        let transform = own.transform(&source.frame, *turn, *mirrored);
-                        found.push(Candidate { transform, cost: best, bland });
-                    }
-                }
-            }
-            // Each is better than those before it: only the last ones matter.
-            found.split_off(found.len().saturating_sub(ALIGNED))
+        // One a candidate: alignment wants starts that differ.
+        let compare = |i: usize| {
+            let c = sketches[i].1;
+            let (source, bland) = (&all[c].0, bland(c));
+            let at = |t: &'_ (usize, bool, Turned)| Some((own.distance(source, &t.2)?, t.0, t.1));
+            let best = turns.iter().filter_map(at).min_by(|a, b| a.0.total_cmp(&b.0));
+            best.map(|(d, turn, mirrored)| {
+                let transform = own.transform(&source.frame, turn, mirrored);
+                Candidate { transform, cost: bland * d, bland }
+            })
         };
-        let found = parallel::map(sketches.len().div_ceil(BATCH), self.threads, check, &compare)?;
+        let found = parallel::map(sketches.len(), self.threads, check, &compare)?;
         Ok(found.into_iter().flatten().collect())
     }
 
