@@ -5,7 +5,6 @@ use super::guard::guard_value;
 use super::holes::Holes;
 use super::input::Input;
 use super::options::CVertexType;
-use crate::holes::HoleList;
 use crate::points::PointCompletion;
 use crate::result::{Completion, Origin};
 use std::ffi::c_void;
@@ -79,7 +78,7 @@ fn reserved<T>(count: usize) -> Result<Vec<T>, Failure> {
 impl MeshResult {
     pub(super) fn new(
         input: &Input,
-        list: &HoleList,
+        holes: Holes,
         completion: Completion,
         values: Vec<f64>,
         whole_mesh: bool,
@@ -115,7 +114,7 @@ impl MeshResult {
             input_counts,
             whole_mesh,
             values,
-            holes: Holes::new(list, &completion.holes),
+            holes,
             vertex_hole: completion.vertex_hole,
             origins: Origins::new(&completion.origins)?,
             source_points: Vec::new(),
@@ -136,7 +135,8 @@ impl MeshResult {
         completion.faces.clear();
         completion.face_hole.clear();
         completion.holes.iter_mut().for_each(|h| h.faces = 0..0);
-        let made = Self::new(input, &found.list, completion, values, whole_mesh)?;
+        let holes = Holes::of_points(&found, &completion.holes);
+        let made = Self::new(input, holes, completion, values, whole_mesh)?;
         Ok(Self { source_points, normals, ..made })
     }
 

@@ -125,7 +125,7 @@ static void candidates(void) {
     CHECK(complete_mesh_completer_complete(completer, &opts, &result) == COMPLETE_MESH_STATUS_OK);
     source = main_source(result, &hole);
     count = hole.candidate_count;
-    CHECK(hole.reserved == 0);
+    CHECK(hole.is_border == 0 && hole.detectors_asked == 0);
     if (FINE && opts.candidate <= count) {
       CHECK(hole.source_count == 1 && fabs(source.weight - 1) < 1e-9);
       CHECK(memcmp(source.transform, last.transform, sizeof last.transform) != 0);

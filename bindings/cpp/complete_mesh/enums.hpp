@@ -87,6 +87,18 @@ enum class HoleStatus : std::uint32_t {
   failed = COMPLETE_MESH_HOLE_STATUS_FAILED
 };
 
+// Bits of Hole::detectors_asked and detectors_agreed.
+enum class Detector : std::uint32_t {
+  surface = COMPLETE_MESH_DETECTOR_SURFACE,
+  boundary = COMPLETE_MESH_DETECTOR_BOUNDARY
+};
+
+enum class Ignored : std::uint32_t {
+  missing = COMPLETE_MESH_IGNORED_MISSING,
+  duplicate = COMPLETE_MESH_IGNORED_DUPLICATE,
+  outlier = COMPLETE_MESH_IGNORED_OUTLIER
+};
+
 inline const char* to_string(Status status) {
   return complete_mesh_status_name(static_cast<std::int32_t>(status));
 }

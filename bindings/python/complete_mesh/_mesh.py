@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ._arrays import Mesh
 from ._library import library
 from ._options import Call, Progress
+from ._points import Cloud
 from ._result import Holes, Result
 
 _OUTPUTS = ("whole_mesh", "new_only")
@@ -133,8 +134,9 @@ def complete_mesh(
 
 def list_holes(
     vertices: ArrayLike,
-    faces: ArrayLike,
+    faces: Optional[ArrayLike] = None,
     *,
+    normals: Optional[ArrayLike] = None,
     grouping: str = "automatic",
     join_vertices: Optional[Sequence[Sequence[int]]] = None,
     selection: str = "all",
@@ -142,17 +144,28 @@ def list_holes(
     selection_max_edges: Optional[int] = None,
     selection_length: Optional[float] = None,
     selection_point: Optional[ArrayLike] = None,
+    threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> Holes:
-    """Finds and measures the holes of a mesh and fills nothing.
+    """Finds and measures the holes of a mesh, or without faces of a point cloud, and fills nothing.
 
-    Arguments and errors are those of `complete_mesh`. Holes outside the selection are listed with
-    the status "not_selected".
+    Arguments and errors are those of `complete_mesh`, for a cloud those of `complete_points`. Holes
+    outside the selection are listed with the status "not_selected", and so are the outer borders of a
+    cloud that are not named. For a cloud more detectors are asked than for a completion: see
+    `Hole.agreed`.
     """
     options = dict(locals())
-    lib, mesh = library(), Mesh(options.pop("vertices"), options.pop("faces"))
-    call = Call(lib, mesh, **options)
-    handle = call.run(lib.find_holes, lib.holes_free, *mesh.arguments())
+    given = [options.pop(name) for name in ("vertices", "faces", "normals")]
+    lib = library()
+    if faces is None:
+        cloud = Cloud(given[0], given[2])
+        call, find, arguments = Call(lib, cloud.mesh, **options), lib.find_point_holes, cloud.arguments()
+    elif normals is not None:
+        raise ValueError("normals are those of a cloud, which has no faces")
+    else:
+        mesh = Mesh(given[0], given[1])
+        call, find, arguments = Call(lib, mesh, **options), lib.find_holes, mesh.arguments()
+    handle = call.run(find, lib.holes_free, *arguments)
     try:
         return Holes(lib, handle)
     finally:
