@@ -155,17 +155,19 @@ def list_holes(
     `Hole.agreed`.
     """
     options = dict(locals())
-    given = [options.pop(name) for name in ("vertices", "faces", "normals")]
+    for name in ("vertices", "faces", "normals"):
+        del options[name]
     lib = library()
     if faces is None:
-        cloud = Cloud(given[0], given[2])
-        call, find, arguments = Call(lib, cloud.mesh, **options), lib.find_point_holes, cloud.arguments()
-    elif normals is not None:
-        raise ValueError("normals are those of a cloud, which has no faces")
+        cloud = Cloud(vertices, normals)
+        call = Call(lib, cloud.mesh, **options)
+        handle = call.run(lib.find_point_holes, lib.holes_free, *cloud.arguments())
+    elif normals is None:
+        mesh = Mesh(vertices, faces)
+        call = Call(lib, mesh, **options)
+        handle = call.run(lib.find_holes, lib.holes_free, *mesh.arguments())
     else:
-        mesh = Mesh(given[0], given[1])
-        call, find, arguments = Call(lib, mesh, **options), lib.find_holes, mesh.arguments()
-    handle = call.run(find, lib.holes_free, *arguments)
+        raise ValueError("normals are those of a cloud, which has no faces")
     try:
         return Holes(lib, handle)
     finally:

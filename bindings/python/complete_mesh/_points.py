@@ -86,7 +86,7 @@ class Cloud:
 
     def __init__(self, points: ArrayLike, normals: Optional[ArrayLike]) -> None:
         self.mesh = Mesh(points, _NO_FACES)
-        self._normals = None
+        self._normals: Optional[NDArray[Any]] = None
         if normals is not None:
             self._normals = np.ascontiguousarray(normals, dtype=self.mesh.vertices.dtype)
             if self._normals.shape != self.mesh.vertices.shape:
@@ -98,8 +98,9 @@ class Cloud:
     def arguments(self) -> tuple[Optional[int], int, Optional[int]]:
         """The first three arguments of the C functions; valid as long as self."""
         positions, count = self.mesh.arguments()[:2]
-        has = self._normals is not None and count > 0
-        return positions, count, self._normals.ctypes.data if has else None
+        if self._normals is None or not count:
+            return positions, count, None
+        return positions, count, self._normals.ctypes.data
 
 
 def complete_points(
