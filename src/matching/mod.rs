@@ -4,7 +4,6 @@ pub mod axes;
 pub mod blocks;
 pub mod candidates;
 pub mod cloud;
-pub mod consistent;
 pub mod fragment;
 pub mod height_map;
 pub mod icp;
@@ -17,5 +16,3 @@ pub mod search;
 pub mod similarity;
 pub mod source;
 pub mod stretch;
-#[cfg(test)]
-mod tests;
