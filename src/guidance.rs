@@ -11,8 +11,8 @@ use std::sync::Arc;
 /// Scales beyond these are taken for a mistake: a copy a thousandth as large has no detail left.
 const SCALES: [f64; 2] = [1e-3, 1e3];
 
-/// Guidance by hand; by default there is none. Only [`Method::Coherent`] can be guided, but for the points,
-/// which [`Method::Smooth`] takes, too.
+/// Guidance by hand; by default there is none. Only [`Method::Coherent`] can be guided, and [`Method::Warp`] but
+/// for the scales; [`Method::Smooth`] takes the points, too.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Guidance {
     /// The one place to copy from; `None`: places are searched for.
@@ -60,10 +60,15 @@ impl Guidance {
             ("candidate", *candidate > 0),
             ("scales", scales.is_some()),
         ];
-        if let Some((name, _)) = given.iter().find(|g| g.1).filter(|_| method != Method::Coherent) {
+        let heeds = |name: &str| match method {
+            Method::Coherent => true,
+            Method::Warp => name != "scales",
+            _ => false,
+        };
+        if let Some((name, _)) = given.iter().find(|g| g.1 && !heeds(g.0)) {
             return bad(name, format!("the method {} cannot be guided", method.name()));
         }
-        if !points.is_empty() && !matches!(method, Method::Coherent | Method::Smooth) {
+        if !points.is_empty() && matches!(method, Method::Harary | Method::Fragment) {
             return bad("points", format!("the method {} takes none", method.name()));
         }
         if let Some(i) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {

@@ -55,6 +55,8 @@ pub struct SourceReport {
     pub weight: f64,
     /// New vertices whose detail comes from here.
     pub vertices: usize,
+    /// New vertices whose colours and other values come from here and their shape from elsewhere.
+    pub coloured: usize,
 }
 
 /// Where a copy lies at a vertex that it did not give, but beside one that it did: on the rim, or across
@@ -152,6 +154,9 @@ pub struct Completion {
     pub vertex_hole: Vec<u32>,
     /// For each new vertex where it comes from.
     pub origins: Vec<Origin>,
+    /// For each new vertex where its colours and other values come from, if for some that is another place
+    /// than where its shape does; else empty. See [`Completion::colours_from`].
+    pub colour_origins: Vec<Origin>,
     /// For each new face the id of its hole.
     pub face_hole: Vec<u32>,
     /// One report for each hole of the mesh, by id.
@@ -163,6 +168,14 @@ pub struct Completion {
 }
 
 impl Completion {
+    /// For each new vertex where its colours and other values come from.
+    pub fn colours_from(&self) -> &[Origin] {
+        match self.colour_origins.len() == self.origins.len() {
+            true => &self.colour_origins,
+            false => &self.origins,
+        }
+    }
+
     /// The whole mesh, the input first, bit for bit.
     pub fn to_mesh_f64(
         &self,

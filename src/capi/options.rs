@@ -32,6 +32,9 @@ pub enum CMethod {
     /// Fragment-based inpainting (Bendels, Schnabel, Klein 2005): copies of fragments of the object, scale
     /// by scale.
     Fragment = 3,
+    /// Completion for shape and appearance (Park, Guo, Shin, Qin 2006): the patch whose surroundings are the
+    /// most similar is warped into the hole.
+    Warp = 4,
 }
 
 /// The smooth surface that a hole is filled with, or that its coherent fill starts from.
@@ -404,6 +407,7 @@ impl COptions {
                 1 => Method::Coherent,
                 2 => Method::Harary,
                 3 => Method::Fragment,
+                4 => Method::Warp,
                 other => return Err(unknown("method", other, "complete_mesh_method")),
             },
             fairing: *Fairing::ALL

@@ -4,6 +4,7 @@
 mod assemble;
 mod check;
 mod coherent;
+mod coloured;
 mod fragment;
 mod guided;
 pub mod harary;
@@ -12,6 +13,7 @@ mod library;
 mod pulled;
 mod searches;
 mod smooth;
+mod warp;
 mod workers;
 
 use crate::error::{Error, Result};
@@ -214,7 +216,7 @@ impl<'a> Completer<'a> {
             Method::Fragment => {
                 self.paste_fragments(&around, &boxes, &mut outcomes, options, monitor)?;
             }
-            Method::Coherent | Method::Smooth => {}
+            Method::Coherent | Method::Warp | Method::Smooth => {}
         }
         monitor.step(0.95, "checking the fills against each other")?;
         let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
@@ -311,7 +313,8 @@ impl<'a> Completer<'a> {
             return Ok(Err(("its rim was not found again".into(), 0.0)));
         };
         // The smooth fill is there early; most of a coherent one's time comes after it.
-        let share = if options.method == Method::Coherent { SMOOTH_SHARE } else { 1.0 };
+        let copies = matches!(options.method, Method::Coherent | Method::Warp);
+        let share = if copies { SMOOTH_SHARE } else { 1.0 };
         let early = |part: f64| check(share * part);
         let late = |part: f64| check(share + (1.0 - share) * part);
         let mut filled = match around.initial {
@@ -324,13 +327,14 @@ impl<'a> Completer<'a> {
                 filled = Err(why);
             }
         }
-        if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
+        if let (true, Ok(fill)) = (copies, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
             let making = self.making(fill);
             let library = self.library(options, &|part| late(making * part))?;
             let late = |part: f64| late(making + (1.0 - making) * part);
             // Sources are looked for from the same fill whatever the options: what was found is kept.
             let own = around.initial.is_some() || around.is_standard();
+            let own = own || options.method == Method::Warp;
             let standard = match own || !around.is_near_standard(fill.outline.mean_size()) {
                 true => None,
                 false => fill_hole(&around.standard(), &loops, obstacles, &|_| late(0.0))?.ok(),
@@ -338,10 +342,10 @@ impl<'a> Completer<'a> {
             let (guidance, candidates) = (&options.guidance, &Cell::new(0));
             let (library, from) = (&library, standard.as_ref());
             let search = Search { library, from, guidance, candidates, threads };
-            self.continue_fill(around, obstacles, fill, &search, &late)?;
+            self.continue_fill(around, obstacles, fill, options.method, &search, &late)?;
             fill.candidates = candidates.get();
             // What was copied does not know of the points; a smooth fill went through them already.
-            if fill.method == Method::Coherent {
+            if fill.method != Method::Smooth {
                 if let Err(why) = pull_fill(around, obstacles, fill, drawn, &|_| late(1.0))? {
                     filled = Err(why);
                 }
@@ -429,14 +433,18 @@ impl<'a> Completer<'a> {
         around: &Surroundings<'_>,
         obstacles: &Obstacles<'_>,
         fill: &mut Fill,
+        method: Method,
         search: &Search<'_>,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<()> {
-        let made = coherent::complete_hole(around, fill, search, check)?;
+        let made = match method {
+            Method::Warp => warp::complete_hole(around, fill, search, check)?,
+            _ => coherent::complete_hole(around, fill, search, check)?,
+        };
         let Some((patch, story)) = made else { return Ok(()) };
         if let Ok(patch) = obstacles.settle(around, patch, &|| check(1.0))? {
             fill.coherence_error = story.coherence_error;
-            (fill.patch, fill.story, fill.method) = (patch, Some(story), Method::Coherent);
+            (fill.patch, fill.story, fill.method) = (patch, Some(story), method);
         }
         Ok(())
     }

@@ -118,6 +118,8 @@ pub struct Fill {
 pub struct Story {
     /// For each new vertex of the patch.
     pub origins: Vec<Origin>,
+    /// See [`crate::Completion::colour_origins`].
+    pub colours: Vec<Origin>,
     /// See [`crate::HoleReport::sources`].
     pub sources: Vec<SourceReport>,
     /// See [`crate::HoleReport::seams`]; vertices are the patch's.

@@ -17,6 +17,7 @@ pub mod prolong;
 pub mod ridges;
 pub mod simplify;
 pub mod spectrum;
+pub mod voting;
 #[cfg(test)]
 pub(crate) mod tests;
 

@@ -2,7 +2,7 @@
 
 use super::cloud::{thin, Cloud, Thinned};
 use super::height_map::{Frame, HeightMap};
-use super::icp::{align, misfit, worth, Partner, RingPoint, KEEP};
+use super::icp::{align, misfit, worth, Pairing, Partner, RingPoint, KEEP};
 use super::rigid::Rigid;
 use super::ring_pattern::{keep_different, Candidate, RingPattern};
 use super::source::Source;
@@ -178,6 +178,8 @@ pub struct Target<'a> {
     pub fill: &'a [DVec3],
     /// Known points of the ring.
     pub ring: &'a [RingPoint],
+    /// How many times what colours usually count they do here.
+    pub emphasis: f64,
 }
 
 /// The best aligned places for each of several targets of one radius, best first: the source's maps
@@ -201,6 +203,18 @@ pub fn find_candidates(
     Ok(all)
 }
 
+/// The candidates of one target that were found otherwise, aligned, best first.
+pub fn align_candidates(
+    known: &Source,
+    source: &Source,
+    target: &Target<'_>,
+    found: &[Candidate],
+    threads: usize,
+    check: &dyn Fn(f64) -> Result<()>,
+) -> Result<Vec<Candidate>> {
+    align_all(known, source, target, found, &Effort::of(target, 1), threads, check)
+}
+
 fn align_all(
     known: &Source,
     source: &Source,
@@ -212,12 +226,14 @@ fn align_all(
 ) -> Result<Vec<Candidate>> {
     let coarse = thin_ring(target.ring, POINTS[0], &known.axes);
     let fine = thin_ring(target.ring, POINTS[1], &known.axes);
-    let radius = target.radius;
+    let (radius, paint) = (target.radius, target.emphasis * worth(source));
     // Aligned by one ring, judged by another.
     let improve = |c: &Candidate, by: &[RingPoint], judge: &[RingPoint], partner, steps, keep| {
         let Candidate { transform, bland, .. } = *c;
-        let transform = align(source, by, transform, partner, steps, 0.5 * radius, keep);
-        Candidate { transform, cost: bland * misfit(source, judge, &transform, radius), bland }
+        let pairing = Pairing { source, partner, radius: 0.5 * radius, keep, paint };
+        let transform = align(by, transform, steps, &pairing);
+        let cost = bland * misfit(source, judge, &transform, radius, paint);
+        Candidate { transform, cost, bland }
     };
     let first = |i: usize| improve(&matches[i], &coarse, &coarse, Partner::Vertex, 12, KEEP);
     let found = parallel::map_part(matches.len(), threads, &|part| check(0.4 * part), &first)?;
@@ -247,12 +263,13 @@ pub fn realign(
     let best = &best[..best.len().min((target.fill.len() / 30).clamp(2, 14))];
     let (wide, wider) = (wide_ring(known, target, 1.0), wide_ring(known, target, 1.5));
     let reach = 0.5 * target.radius;
-    let surface = Partner::Surface;
+    let (partner, paint) = (Partner::Surface, target.emphasis * worth(source));
+    let pairing = |keep| Pairing { source, partner, radius: reach, keep, paint };
     let one = |i: usize| match best.get(i) {
-        Some(&start) => align(source, &wider, start, surface, 15, reach, 1.0),
+        Some(&start) => align(&wider, start, 15, &pairing(1.0)),
         None => {
             let start = best[i - best.len()];
-            let start = align(source, &wide, start, surface, 15, reach, KEEP);
+            let start = align(&wide, start, 15, &pairing(KEEP));
             stretch(source, &wide, &start, 15, reach, KEEP)
         }
     };
@@ -277,7 +294,8 @@ fn search_maps(
             let known = HeightMap::new(&maps.known, &around, frame, reach);
             let ring = |w: &f64| {
                 let width = (1.0 + w) * target.radius;
-                RingPattern::new(&known, target.fill, reach, width, maps.paint)
+                let paint = target.emphasis * maps.paint;
+                RingPattern::new(&known, target.fill, reach, width, paint)
             };
             widths.iter().map(ring).collect::<Vec<_>>()
         })
@@ -413,6 +431,7 @@ mod tests {
                 radius: RADIUS,
                 fill: &fill,
                 ring: &ring,
+                emphasis: 1.0,
             };
             let check = |_| Ok(());
             let run = |threads| {
@@ -447,7 +466,7 @@ mod tests {
         let ring = polar(&Rigid::IDENTITY, 0.35..0.6);
         let fill: Vec<DVec3> = polar(&Rigid::IDENTITY, 0.0..0.35).iter().map(|p| p.0).collect();
         let (centre, normal) = (fill[0], DVec3::Z);
-        let target = Target { centre, normal, radius: RADIUS, fill: &fill, ring: &ring };
+        let target = Target { centre, normal, radius: RADIUS, fill: &fill, ring: &ring, emphasis: 1.0 };
         let stop = |_| Err(Error::Cancelled);
         let found = find_candidates(&source, &source, &maps_of(&source), &[target], 1, &stop);
         assert_eq!(found.err(), Some(Error::Cancelled));

@@ -202,6 +202,7 @@ mod tests {
             faces: faces[6..].to_vec(),
             vertex_hole: vec![0; 2],
             origins: vec![copied, Origin::NOWHERE],
+            colour_origins: Vec::new(),
             face_hole: vec![0; 3],
             holes: vec![HoleReport {
                 hole: 0,

@@ -35,7 +35,7 @@ const SCREEN: f64 = 1.5;
 
 /// Root of the share of the ring's variance that a copy leaves, up to which it is believed whole, and from
 /// which on not at all: where shape is trusted alone, and where the plate has its full say.
-const TRUSTED: (f64, f64) = (0.5, 0.8);
+pub const TRUSTED: (f64, f64) = (0.5, 0.8);
 /// What is not seen: differences of this part of the range, 8 of 255.
 const UNSEEN: f64 = 0.03;
 /// Fewer vertices of the ring than this say nothing.
@@ -136,7 +136,7 @@ impl<'a> Guide<'a> {
         let (rows, own, beside) = (Vec::new(), Vec::new(), HashMap::new());
         let (groups, trust) = (groups(known), BTreeMap::new());
         let mut guide = Self { completion, known, rows, own, beside, groups, trust };
-        for origin in &completion.origins {
+        for origin in completion.colours_from() {
             let row = guide.copy(origin.face, origin.barycentric);
             guide.own.push(row.unwrap_or(usize::MAX));
         }
@@ -208,7 +208,7 @@ impl<'a> Guide<'a> {
     fn row(&self, v: u32, hole: u32, source: u32) -> Option<usize> {
         let new = v.checked_sub(self.completion.input_vertex_count as u32);
         match new.map(|i| i as usize) {
-            Some(i) if self.completion.origins[i].source == source => {
+            Some(i) if self.completion.colours_from()[i].source == source => {
                 Some(self.own[i]).filter(|&row| row != usize::MAX)
             }
             _ => self.beside.get(&[v, hole, source]).copied(),
@@ -219,7 +219,8 @@ impl<'a> Guide<'a> {
     fn step(&self, i: u32, j: u32) -> impl Fn(usize) -> f64 + '_ {
         let input = self.completion.input_vertex_count as u32;
         let hole = self.completion.vertex_hole[(i - input) as usize];
-        let source = |v: u32| Some(self.completion.origins[v.checked_sub(input)? as usize].source);
+        let from = self.completion.colours_from();
+        let source = |v: u32| Some(from[v.checked_sub(input)? as usize].source);
         let (a, b) = (source(i), source(j));
         let said = [a, b.filter(|_| b != a)].map(|source| {
             let source = source.filter(|&s| s != NONE)?;
@@ -243,7 +244,8 @@ impl<'a> Guide<'a> {
         let screen = |i: usize| match self.own[i] {
             usize::MAX => 0.0,
             _ => {
-                let alpha = self.alpha(hole(i) as u32, self.completion.origins[i].source, channel);
+                let from = self.completion.colours_from()[i].source;
+                let alpha = self.alpha(hole(i) as u32, from, channel);
                 alpha * SCREEN / ((FADE * RADIUS).powi(2) * sizes[hole(i)])
             }
         };
@@ -262,10 +264,20 @@ fn groups(known: &dyn Known) -> Vec<Range<usize>> {
     groups
 }
 
-/// How far to believe a copy, from what is known on the ring and what the copy has there, each less its
-/// mean (the rim corrects that). With a the known and b the copied rows, and ρ² = Σ |a − b|² / Σ |a|², it is
-/// 1 up to ρ = 0.5 and 0 from 0.8 on.
+/// How far to believe a copy: 1 up to ρ = 0.5 and 0 from 0.8 on, ρ what [`unlike`] says.
 fn trust(known: &[&[f64]], copied: &[&[f64]], channels: Range<usize>, ranges: &[[f64; 2]]) -> f64 {
+    let rho = unlike(known, copied, channels, ranges);
+    1.0 - ((rho - TRUSTED.0) / (TRUSTED.1 - TRUSTED.0)).clamp(0.0, 1.0)
+}
+
+/// What is known on the ring and what a copy has there, each less its mean (the rim corrects that): with a the
+/// known and b the copied rows, ρ² = Σ |a − b|² / Σ |a|². `ranges`: least and greatest of each of `channels`.
+pub fn unlike(
+    known: &[&[f64]],
+    copied: &[&[f64]],
+    channels: Range<usize>,
+    ranges: &[[f64; 2]],
+) -> f64 {
     let n = known.len() as f64;
     let (mut own, mut bare) = (0.0, 0.0);
     for (c, range) in channels.zip(ranges) {
@@ -278,8 +290,7 @@ fn trust(known: &[&[f64]], copied: &[&[f64]], channels: Range<usize>, ranges: &[
             bare += a * a;
         }
     }
-    let rho = (own / f64::max(bare, f64::MIN_POSITIVE)).sqrt();
-    1.0 - ((rho - TRUSTED.0) / (TRUSTED.1 - TRUSTED.0)).clamp(0.0, 1.0)
+    (own / f64::max(bare, f64::MIN_POSITIVE)).sqrt()
 }
 
 /// The values of a whole mesh and of its exemplar.

@@ -158,6 +158,7 @@ impl Domain {
             radius: self.radius,
             fill: &self.sheet.positions[self.fill.clone()],
             ring,
+            emphasis: 1.0,
         }
     }
 
