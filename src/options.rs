@@ -379,6 +379,12 @@ impl Options {
             return bad("sources", "the method harary copies from the whole mesh".into());
         }
         self.guidance.check(self.method)?;
+        if self.guidance.part && self.initial.is_some() {
+            return bad(
+                "part",
+                "an initial completion has its own faces: leave one of the two".into(),
+            );
+        }
         let Sources { faces, exemplar, .. } = &self.sources;
         if self.method == Method::Fragment && (faces.is_some() || exemplar.is_some()) {
             return bad("sources", "the method fragment copies from the whole mesh".into());

@@ -261,6 +261,10 @@ pub struct COptions {
     /// How far the fill may stay off the points, 0 (it passes through them) to 1; 0.1 halves the height of
     /// a bump over the whole hole. Default: 0.
     pub softness: f64,
+    /// 1: each hole is filled with a part taken whole, with the source's own triangles: a missing hand, foot
+    /// or spout, which no smooth surface comes near to. The part is what lies over the hole, at placement or
+    /// at the first of the places found that has one. Default: 0.
+    pub part: u32,
 }
 
 /// More threads than any machine has cores for one call; a garbage number would start them all.
@@ -323,6 +327,7 @@ impl COptions {
             constraint_points: std::ptr::null(),
             constraint_count: 0,
             softness: 0.0,
+            part: 0,
         }
     }
 

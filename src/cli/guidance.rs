@@ -26,6 +26,9 @@ pub(super) struct GuidanceArgs {
     /// Sources may be scaled by a factor in this range
     #[arg(long, value_name = "MIN,MAX", conflicts_with = "transform", value_parser = parse_scale)]
     pub scale: Option<Scales>,
+    /// Take a missing part whole, with the source's own triangles: a hand, a foot, a spout
+    #[arg(long)]
+    pub part: bool,
     /// Points that the fills pass through: the vertices of a mesh or cloud
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
@@ -70,6 +73,7 @@ impl GuidanceArgs {
             candidate: self.candidate.unwrap_or_default(),
             scales: self.scale.map(|s| s.0),
             points: self.points()?,
+            part: self.part,
             softness: self.softness,
         })
     }

@@ -120,7 +120,11 @@ fn append(
         // As the shape's, up to here.
         let (colours, all) = (colours.to_vec(), &out.origins);
         out.colour_origins.extend_from_slice(&all[out.colour_origins.len()..before]);
-        out.colour_origins.extend(if colours.is_empty() { all[before..].to_vec() } else { colours });
+        out.colour_origins.extend(if colours.is_empty() {
+            all[before..].to_vec()
+        } else {
+            colours
+        });
     }
     let index = |v: u32| match (v as usize).checked_sub(rim) {
         Some(i) => (base + i) as u32,

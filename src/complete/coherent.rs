@@ -64,12 +64,14 @@ pub fn complete_hole(
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<(Patch, Story)>> {
     let made = complete_shape(around, fill, search, check)?;
-    let Some((patch, mut story)) = made else { return Ok(None) };
+    let nothing = made.is_none();
+    let (patch, mut story) =
+        made.unwrap_or_else(|| (fill.patch.clone(), Story::nothing(&fill.patch)));
     search_colours(around, fill, search, &patch, &mut story, &|target| {
         let found = search.library.candidates(&[target], search.threads, &|_| check(1.0))?;
         Ok(found.iter().flatten().map(|c| c.transform).collect())
     })?;
-    Ok(Some((patch, story)))
+    Ok((!nothing || !story.colours.is_empty()).then_some((patch, story)))
 }
 
 /// Looks elsewhere for the colours of a finished fill where its shape's sources do not have them. `find`: the
@@ -116,8 +118,7 @@ fn complete_shape(
         return Ok(None);
     }
     let &Search { library, from, guidance, candidates, threads } = search;
-    let domain_of =
-        |patch: &Patch, extent: Extent| domain_of(around, fill, library, patch, extent);
+    let domain_of = |patch: &Patch, extent: Extent| domain_of(around, fill, library, patch, extent);
     let Some(domain) = domain_of(&fill.patch, Extent::Whole) else { return Ok(None) };
     // Parts of the whole by what the search and the two looks cost.
     let cost = Cost::of(domain.fill.len(), library.known.area / domain.radius.powi(2));

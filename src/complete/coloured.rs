@@ -120,9 +120,7 @@ fn tell(story: &mut Story, domain: &Domain, source: &Source, copy: &Copy, left: 
     let square = domain.ring.iter().map(|&v| copy.heights[v].powi(2)).sum::<f64>();
     let error = (square / domain.ring.len().max(1) as f64).sqrt();
     let at = copy.places.iter().flatten().next();
-    let given = |at: &Place| {
-        source.as_given(&copy.transform, source.face_ids[at.face as usize])
-    };
+    let given = |at: &Place| source.as_given(&copy.transform, source.face_ids[at.face as usize]);
     let transform = at.map_or(copy.transform, given);
     story.sources.push(SourceReport { transform, error, weight: 0.0, vertices: 0, coloured });
 }

@@ -10,6 +10,7 @@ mod guided;
 pub mod harary;
 mod initial;
 mod library;
+mod part;
 mod pulled;
 mod searches;
 mod smooth;
@@ -40,6 +41,7 @@ use library::Library;
 use pulled::{pull_fill, share_points};
 use smooth::{fill_hole, Fill, Story, Surroundings};
 use std::cell::Cell;
+use std::slice::from_ref;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -318,9 +320,14 @@ impl<'a> Completer<'a> {
         let early = |part: f64| check(share * part);
         let late = |part: f64| check(share + (1.0 - share) * part);
         let mut filled = match around.initial {
+            _ if options.guidance.part => {
+                let threads = workers::threads_inside(holes, options.threads);
+                self.fill_with_part(around, obstacles, (hole, &loops), options, threads, check)?
+            }
             Some(initial) => initial.fill_hole(around, &loops, obstacles, &early)?,
             None => fill_hole(around, &loops, obstacles, &early)?,
         };
+        let copies = copies && !options.guidance.part;
         let drawn = (points, options.guidance.softness);
         if let Ok(fill) = &mut filled {
             if let Err(why) = pull_fill(around, obstacles, fill, drawn, &early)? {
@@ -353,6 +360,51 @@ impl<'a> Completer<'a> {
         }
         let seconds = clock.elapsed().as_secs_f64();
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
+    }
+
+    /// Fills a hole with a part that lies over it whole: the one that was placed, or the first of the places
+    /// found (of a number, the one of that number) that keeps the contract.
+    fn fill_with_part(
+        &self,
+        around: &Surroundings<'_>,
+        obstacles: &Obstacles<'_>,
+        (hole, loops): (&Hole, &[Vec<u32>]),
+        options: &Options,
+        threads: usize,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<std::result::Result<Fill, String>> {
+        let library = self.library(options, &|part| check(0.3 * part))?;
+        let rim: Vec<Vec<u32>> =
+            hole.loops.iter().map(|&l| self.holes.loops[l].vertices.clone()).collect();
+        let ring = part::ring_around(around, &library, loops);
+        let at = |&v: &u32| library.known.positions[v as usize];
+        let positions: Vec<DVec3> = rim.iter().flatten().map(at).collect();
+        let target = part::target_of(&ring, &positions);
+        let guidance = &options.guidance;
+        let late = |part: f64| check(0.3 + 0.4 * part);
+        let found = guided::transforms(&library, guidance, from_ref(&target), threads, &late)?;
+        let wanted = part::Wanted {
+            mesh: self.mesh,
+            library: &library,
+            rim: &rim,
+            local: loops,
+            ring: &ring,
+        };
+        let (mut first, mut good) = (None, 0);
+        for transform in found.iter().flatten() {
+            let made = part::take_part(around, obstacles, &wanted, transform, &|| check(0.8))?;
+            match made {
+                Ok(fill) => {
+                    good += 1;
+                    if good >= guidance.candidate {
+                        return Ok(Ok(Fill { candidates: good.min(guidance.candidate), ..fill }));
+                    }
+                }
+                Err(why) => first = first.or(Some(why)),
+            }
+        }
+        let why = first.filter(|_| good == 0);
+        Ok(Err(why.unwrap_or_else(|| format!("{good} parts serve it, fewer than asked for"))))
     }
 
     /// The smooth fills made coherent with the object (Harary et al. 2014): of each hole the most

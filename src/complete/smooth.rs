@@ -132,6 +132,21 @@ pub struct Story {
     pub coherence_error: Option<[f64; 2]>,
 }
 
+impl Story {
+    /// Of a patch that comes from nowhere.
+    pub fn nothing(patch: &Patch) -> Self {
+        Self {
+            origins: vec![Origin::NOWHERE; patch.positions.len() - patch.rim_count],
+            colours: Vec::new(),
+            sources: Vec::new(),
+            seams: Vec::new(),
+            ring: Vec::new(),
+            confidence: 0.0,
+            coherence_error: None,
+        }
+    }
+}
+
 /// Fills one hole whose loops are given in neighbourhood vertices. `check` is called between the
 /// stages and may cancel. The inner error says why no fill keeps the contract.
 pub fn fill_hole(

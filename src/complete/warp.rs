@@ -46,12 +46,15 @@ pub fn complete_hole(
         return Ok(None);
     }
     let task = Task { around, fill, search, check };
-    let Some((patch, mut story)) = task.shape()? else { return Ok(None) };
+    let shape = task.shape()?;
+    let nothing = shape.is_none();
+    let (patch, mut story) =
+        shape.unwrap_or_else(|| (fill.patch.clone(), Story::nothing(&fill.patch)));
     search_colours(around, fill, search, &patch, &mut story, &|target| {
         let domain = domain_of(around, fill, search.library, &patch, Extent::Found);
         domain.map_or(Ok(Vec::new()), |d| task.find(&d, &target, By::Colour, &|_| check(1.0)))
     })?;
-    Ok(Some((patch, story)))
+    Ok((!nothing || !story.colours.is_empty()).then_some((patch, story)))
 }
 
 /// One hole.
@@ -164,9 +167,7 @@ impl Task<'_> {
         let view = look(window, source, from_ref(transform), rough, threads, &check)?;
         let Some(view) = view else { return Ok(None) };
         let own = &window.domain;
-        let at = |v: usize| {
-            own.sheet.positions[v] + view.copies[0].heights[v] * own.directions[v]
-        };
+        let at = |v: usize| own.sheet.positions[v] + view.copies[0].heights[v] * own.directions[v];
         let laid: Vec<_> = (0..own.sheet.positions.len()).map(at).collect();
         let mut patch = initial.clone();
         if !view.is_smooth {
@@ -186,8 +187,7 @@ impl Task<'_> {
         let labels: Vec<_> =
             (0..domain.fill.len()).map(|i| views[0].index(i).map(|_| (0, 0))).collect();
         let error = Some([before, after]).filter(|e| e[0].is_finite());
-        let story =
-            Story { coherence_error: error, ..tell(source, domain, &views, &labels) };
+        let story = Story { coherence_error: error, ..tell(source, domain, &views, &labels) };
         let [view] = views;
         Ok(Some(Laid { patch, story, view }))
     }

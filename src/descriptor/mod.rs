@@ -17,9 +17,9 @@ pub mod prolong;
 pub mod ridges;
 pub mod simplify;
 pub mod spectrum;
-pub mod voting;
 #[cfg(test)]
 pub(crate) mod tests;
+pub mod voting;
 
 use crate::error::Result;
 use crate::progress::Monitor;

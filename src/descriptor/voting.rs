@@ -8,8 +8,8 @@
 //!   trapezoidal rule, whatever the directions.
 
 use super::ball::VertexGraph;
-use crate::parallel;
 use crate::error::Result;
+use crate::parallel;
 use glam::{DMat2, DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -110,8 +110,8 @@ fn vote((p, n): (DVec3, DVec3), voters: impl Iterator<Item = (DVec3, DVec3)>) ->
 #[cfg(test)]
 mod tests {
     use super::super::curvature::tests::grid;
-    use crate::mesh::normals::vertex_normals;
     use super::*;
+    use crate::mesh::normals::vertex_normals;
 
     fn of(positions: &[DVec3], faces: &[[u32; 3]]) -> Vec<[f64; 2]> {
         let normals = vertex_normals(positions, faces.iter().copied());

@@ -466,7 +466,8 @@ mod tests {
         let ring = polar(&Rigid::IDENTITY, 0.35..0.6);
         let fill: Vec<DVec3> = polar(&Rigid::IDENTITY, 0.0..0.35).iter().map(|p| p.0).collect();
         let (centre, normal) = (fill[0], DVec3::Z);
-        let target = Target { centre, normal, radius: RADIUS, fill: &fill, ring: &ring, emphasis: 1.0 };
+        let target =
+            Target { centre, normal, radius: RADIUS, fill: &fill, ring: &ring, emphasis: 1.0 };
         let stop = |_| Err(Error::Cancelled);
         let found = find_candidates(&source, &source, &maps_of(&source), &[target], 1, &stop);
         assert_eq!(found.err(), Some(Error::Cancelled));

@@ -101,7 +101,8 @@ impl Sums {
         let sector = |s: usize| {
             let count = self.count[s];
             let means = self.values[s * width..(s + 1) * width].iter();
-            (count > 0.0).then(|| means.map(|&[sum, most, least]| [sum / count, most, least]).collect())
+            (count > 0.0)
+                .then(|| means.map(|&[sum, most, least]| [sum / count, most, least]).collect())
         };
         Signature((0..SECTORS).map(sector).collect())
     }
@@ -183,7 +184,8 @@ impl Hole {
             let Some(own) = own else { continue };
             let other = other?;
             known += 1.0;
-            let each = own.iter().zip(&other).flat_map(|(a, b)| [0, 1, 2].map(|k| (a[k] - b[k]).abs()));
+            let each =
+                own.iter().zip(&other).flat_map(|(a, b)| [0, 1, 2].map(|k| (a[k] - b[k]).abs()));
             total.iter_mut().zip(each).for_each(|(t, d)| *t += d);
         }
         total.iter_mut().for_each(|t| *t /= known.max(1.0));
@@ -330,4 +332,93 @@ fn similarities(all: &[Hypothesis]) -> Vec<f64> {
         each.sum::<f64>() / width.max(1) as f64
     };
     all.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::source::tests::{hills, hilly_source, some_transform};
+    use super::*;
+    use crate::descriptor::voting::voted_curvatures;
+    use crate::matching::paint::Paint;
+    use crate::matching::source::PointTree;
+    use crate::options::Appearance;
+
+    const RADIUS: f64 = 0.3;
+
+    /// By hand: with differences 0 and 2 of 4 (the median of 0, 2, 4, 4 sorted: its third), S is 1 and ¼.
+    #[test]
+    fn similarities_are_those_of_equation_8() {
+        let hypothesis =
+            |d: f32| Hypothesis { patch: 0, turn: 0, mirrored: false, differences: vec![d, 0.0] };
+        let all: Vec<Hypothesis> = [0.0, 2.0, 4.0, 4.0].map(hypothesis).into_iter().collect();
+        // The second value says nothing: all are alike in it.
+        assert_eq!(similarities(&all), [1.0, 0.5 * (0.25 + 1.0), 0.5, 0.5]);
+    }
+
+    fn hole_at(source: &Source, features: &Features, centre: DVec3, truth: &Rigid) -> Hole {
+        let place = |v: u32| truth.point(source.positions[v as usize]);
+        let fill: Vec<DVec3> =
+            source.points.within(centre, RADIUS).into_iter().map(place).collect();
+        let ring: Vec<(DVec3, u32)> = (source.points.within(centre, 1.5 * RADIUS).into_iter())
+            .filter(|&v| source.positions[v as usize].distance(centre) > RADIUS)
+            .map(|v| (place(v), v))
+            .collect();
+        let flat = source.normals.iter().all(|n| *n == DVec3::Z);
+        let normal = if flat { DVec3::Z } else { hills(centre.x, centre.y).1 };
+        let normal = truth.direction(normal);
+        let frame = Frame::new(truth.point(centre), normal, &DMat3::IDENTITY);
+        Hole::new(frame, RADIUS, &fill, &ring, features, 0.0)
+    }
+
+    /// A place on the hills moved, turned and mirrored: it is the most similar, at the right turn.
+    #[test]
+    fn the_place_itself_is_the_most_similar() {
+        let source = hilly_source(60);
+        let curvatures =
+            voted_curvatures(&source.positions, &source.normals, &source.faces, 1, &|| Ok(()))
+                .unwrap();
+        let features = Features::new(&source, &curvatures);
+        let centre = hills(0.25, 0.2).0;
+        for mirrored in [false, true] {
+            let truth = some_transform(mirrored);
+            let hole = hole_at(&source, &features, centre, &truth);
+            let find = |threads| {
+                most_similar(&hole, &source, &features, By::Shape, true, threads, &|_| Ok(()))
+                    .unwrap()
+            };
+            let (found, again) = (find(1), find(2));
+            assert!(found.iter().zip(&again).all(|(a, b)| a.transform == b.transform));
+            let best = &found[0].transform;
+            let off = best.point(centre).distance(truth.point(centre));
+            let turned = (best.linear - truth.linear).to_cols_array();
+            let turned = turned.iter().map(|x| x * x).sum::<f64>().sqrt();
+            println!("mirrored {mirrored}: off {off:.3}, turned {turned:.3}");
+            assert!(best.is_mirrored() == mirrored && off < 0.3 * RADIUS && turned < 0.4);
+        }
+    }
+
+    /// On a flat sheet shape says nothing; colours that are the same nowhere else do.
+    #[test]
+    fn colours_find_their_place_on_a_plane() {
+        let mut source = hilly_source(60);
+        source.positions.iter_mut().for_each(|p| p.z = 0.0);
+        source.normals.fill(DVec3::Z);
+        let colour = |p: &DVec3| [p.x, p.y * p.y, (3.0 * p.x * p.y).sin()];
+        let values = source.positions.iter().flat_map(colour).collect();
+        let appearance =
+            Appearance { channels: 3, steering: 3, values, exemplar_values: Vec::new() };
+        source = source.painted(&Paint::new(&appearance));
+        let features = Features::new(&source, &vec![[0.0; 2]; source.positions.len()]);
+        let ids = (0..source.positions.len() as u32).collect();
+        source.points = PointTree::new(&source.positions, ids, &|_| Ok(())).unwrap();
+        let centre = DVec3::new(0.5, 0.4, 0.0);
+        let turn = DMat3::from_rotation_z(1.0);
+        let truth = Rigid { linear: turn, translation: DVec3::new(1.0, 2.0, 0.0) };
+        let hole = hole_at(&source, &features, centre, &truth);
+        let found =
+            most_similar(&hole, &source, &features, By::Colour, true, 1, &|_| Ok(())).unwrap();
+        let best = &found[0].transform;
+        assert!(best.point(centre).distance(truth.point(centre)) < 0.3 * RADIUS, "{best:?}");
+        assert!(best.direction(DVec3::X).distance(turn.x_axis) < 0.3);
+    }
 }

@@ -123,6 +123,9 @@ fn check_options(options: &Options) -> Result<()> {
     if options.sources.faces.is_some() {
         return bad("sources", "a point cloud has no faces to choose");
     }
+    if options.guidance.part {
+        return bad("part", "a part is made of triangles, which a point cloud has none of");
+    }
     if options.initial.is_some() {
         return bad("initial", "a point cloud takes no completion to start from");
     }

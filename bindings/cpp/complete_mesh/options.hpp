@@ -166,6 +166,8 @@ struct Options {
   std::vector<std::array<double, 3>> constraint_points = {};
   // How far fills may stay off the points, 0 to 1.
   double softness = 0;
+  // Take a missing part whole, with the source's own triangles: a hand, a foot, a spout.
+  bool part = false;
 };
 
 }  // namespace mesh_completion

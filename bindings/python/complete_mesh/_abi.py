@@ -83,6 +83,7 @@ class Options(c.Structure):
         ("constraint_points", c_void_p),
         ("constraint_count", c_size_t),
         ("softness", c_double),
+        ("part", c_uint32),
     ]
 
 

@@ -62,6 +62,7 @@ class Call:
         exemplar_parts: Optional[Sequence[int]] = None,
         constraint_points: Optional[ArrayLike] = None,
         softness: float = 0.0,
+        part: bool = False,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -94,6 +95,7 @@ class Call:
             options.exemplar_parts = self._indices("exemplar_parts", exemplar_parts)
             options.exemplar_part_count = len(exemplar_parts)
         self._set_points(constraint_points, softness)
+        options.part = bool(part)
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
