@@ -32,6 +32,10 @@ pub struct Guidance {
     /// which no smooth surface comes near to. The part is what lies over the hole, at the placement or at the
     /// first of the places found that has one. Give both ends of a missing band as one hole.
     pub part: bool,
+    /// Vertices of rims where the fill need only be joined: neither tangents nor relief nor colours go on from what
+    /// lies beyond them, which says nothing of the fill. For an edge that was sharp, or a part of another
+    /// material.
+    pub loose: Arc<[u32]>,
     /// How far the fill may stay off the points, 0 (it passes through them) to 1: 0.1 halves the height
     /// of a bump over the whole hole.
     pub softness: f64,
@@ -58,7 +62,7 @@ impl Guidance {
     /// Checks every range.
     pub(crate) fn check(&self, method: Method) -> Result<()> {
         let bad = |name, reason: String| Err(Error::InvalidOption { name, reason });
-        let Self { placement, candidate, scales, points, part, softness } = self;
+        let Self { placement, candidate, scales, points, part, loose, softness } = self;
         let given = [
             ("placement", placement.is_some()),
             ("candidate", *candidate > 0),
@@ -72,6 +76,10 @@ impl Guidance {
         };
         if let Some((name, _)) = given.iter().find(|g| g.1 && !heeds(g.0)) {
             return bad(name, format!("the method {} cannot be guided", method.name()));
+        }
+        if !loose.is_empty() && (*part || matches!(method, Method::Harary | Method::Fragment)) {
+            let by = if *part { "a part".into() } else { format!("the method {}", method.name()) };
+            return bad("loose", format!("{by} heeds none"));
         }
         if *part && !points.is_empty() {
             return bad("points", "a part is taken as it is".into());

@@ -4,6 +4,7 @@ use crate::error::{Error, Problem};
 use crate::matching::rigid::Rigid;
 use crate::options::{Fairing, Method};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// "No such": of a face or a source in an [`Origin`].
 pub const NONE: u32 = u32::MAX;
@@ -157,6 +158,9 @@ pub struct Completion {
     /// For each new vertex where its colours and other values come from, if for some that is another place
     /// than where its shape does; else empty. See [`Completion::colours_from`].
     pub colour_origins: Vec<Origin>,
+    /// Rim vertices that fills were only joined at, as they were given ([`crate::Guidance::loose`]): values do
+    /// not go on from them.
+    pub loose: Arc<[u32]>,
     /// For each new face the id of its hole.
     pub face_hole: Vec<u32>,
     /// One report for each hole of the mesh, by id.

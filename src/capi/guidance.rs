@@ -35,7 +35,10 @@ impl COptions {
         let points = numbers.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
         let (candidate, softness) = (self.candidate as usize, self.softness);
         let part = flag("part", self.part)?;
-        Ok(Guidance { placement, candidate, scales, points, part, softness })
+        // SAFETY: as above.
+        let loose =
+            unsafe { array("loose_vertices", self.loose_vertices, self.loose_count) }?.into();
+        Ok(Guidance { placement, candidate, scales, points, part, loose, softness })
     }
 }
 

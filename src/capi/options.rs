@@ -265,6 +265,11 @@ pub struct COptions {
     /// or spout, which no smooth surface comes near to. The part is what lies over the hole, at placement or
     /// at the first of the places found that has one. Default: 0.
     pub part: u32,
+    /// Vertices of rims where the fill need only be joined: neither tangents nor relief nor values go on
+    /// from what lies beyond them. Yours; NULL if loose_count is 0. Default: NULL.
+    pub loose_vertices: *const u32,
+    /// How many there are. Default: 0.
+    pub loose_count: usize,
 }
 
 /// More threads than any machine has cores for one call; a garbage number would start them all.
@@ -328,6 +333,8 @@ impl COptions {
             constraint_count: 0,
             softness: 0.0,
             part: 0,
+            loose_vertices: std::ptr::null(),
+            loose_count: 0,
         }
     }
 

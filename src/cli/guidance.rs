@@ -29,6 +29,9 @@ pub(super) struct GuidanceArgs {
     /// Take a missing part whole, with the source's own triangles: a hand, a foot, a spout
     #[arg(long)]
     pub part: bool,
+    /// Rim vertices where the fill need only be joined, not go on from what lies beyond
+    #[arg(long, value_name = "I,..", value_delimiter = ',')]
+    pub loose: Vec<u32>,
     /// Points that the fills pass through: the vertices of a mesh or cloud
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
@@ -74,6 +77,7 @@ impl GuidanceArgs {
             scales: self.scale.map(|s| s.0),
             points: self.points()?,
             part: self.part,
+            loose: self.loose.clone().into(),
             softness: self.softness,
         })
     }

@@ -19,6 +19,7 @@ pub fn blank(mesh: MeshView<'_>, list: &HoleList, wanted: &[bool]) -> Completion
         vertex_hole: Vec::new(),
         origins: Vec::new(),
         colour_origins: Vec::new(),
+        loose: Default::default(),
         face_hole: Vec::new(),
         holes: list.holes.iter().map(|h| blank_report(h, wanted[h.id])).collect(),
         seconds: 0.0,

@@ -41,6 +41,7 @@ use library::Library;
 use pulled::{pull_fill, share_points};
 use smooth::{fill_hole, Fill, Story, Surroundings};
 use std::cell::Cell;
+use std::collections::HashSet;
 use std::slice::from_ref;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -138,6 +139,22 @@ impl<'a> Completer<'a> {
         Ok(library)
     }
 
+    /// The vertices that fills are only joined at, as those of the neighbourhood.
+    fn loose(&self, near: &Neighbourhood, given: &[u32]) -> Result<Vec<u32>> {
+        if given.is_empty() {
+            return Ok(Vec::new());
+        }
+        let rims: HashSet<u32> = self.rims().into_iter().collect();
+        if let Some(v) = given.iter().find(|v| !rims.contains(v)) {
+            let reason = format!("vertex {v} is on no rim; take it out");
+            return Err(Error::InvalidOption { name: "loose", reason });
+        }
+        let mut loose: Vec<u32> = given.iter().filter_map(|&v| near.local(v)).collect();
+        loose.sort_unstable();
+        loose.dedup();
+        Ok(loose)
+    }
+
     /// All vertices of boundary loops.
     fn rims(&self) -> Vec<u32> {
         self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect()
@@ -192,7 +209,8 @@ impl<'a> Completer<'a> {
         let points = share_points(&options.guidance, &todo)?;
         monitor.step(0.05, "copying the surroundings")?;
         let boxes: Vec<Bounds> = todo.iter().map(|h| self.reach(h)).collect();
-        let near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
+        let mut near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
+        near.loose = self.loose(&near, &options.guidance.loose)?;
         let incidence = Incidence::new(&near);
         let single = self.mesh.vertices.is_single();
         let initial = options.initial.as_ref().map(|i| InitialFaces::new(i, vertices));
@@ -230,6 +248,7 @@ impl<'a> Completer<'a> {
             outcomes,
             options.skip_unsafe,
         )?;
+        completion.loose = options.guidance.loose.clone();
         completion.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
         completion.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
         monitor.step(1.0, "done")?;

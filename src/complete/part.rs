@@ -19,7 +19,7 @@ use crate::fill::patch::Patch;
 use crate::fill::sheet::Band;
 use crate::matching::icp::RingPoint;
 use crate::matching::rigid::Rigid;
-use crate::matching::search::Target;
+use crate::matching::search::{Loose, Target};
 use crate::matching::similarity::{gap, scale_of};
 use crate::matching::source::Source;
 use crate::mesh::MeshView;
@@ -82,7 +82,7 @@ pub fn target_of<'a>(ring: &'a [RingPoint], rim: &'a [DVec3]) -> Target<'a> {
     let centre = rim.iter().sum::<DVec3>() / rim.len().max(1) as f64;
     let radius = rim.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
     let normal = ring.iter().map(|p| p.1).sum::<DVec3>().normalize_or(DVec3::Z);
-    Target { centre, normal, radius, fill: rim, ring, emphasis: 1.0 }
+    Target { centre, normal, radius, fill: rim, ring, loose: Loose::default(), emphasis: 1.0 }
 }
 
 /// A part cut out of the source and laid over the mesh.

@@ -16,7 +16,8 @@ pub struct Searches<T>(Mutex<Vec<(Vec<Sought>, Scales, T)>>);
 /// Least and greatest size of the sources.
 type Scales = Option<[f64; 2]>;
 
-/// All that the candidates of a window depend on, but the library and the sizes.
+/// All that the candidates of a window depend on, but the library and the sizes. (What is loose is not in the
+/// ring.)
 struct Sought {
     centre: DVec3,
     normal: DVec3,
@@ -34,7 +35,7 @@ impl Sought {
     }
 
     fn is(&self, target: &Target<'_>) -> bool {
-        let Target { centre, normal, radius, fill, ring, emphasis } = *target;
+        let Target { centre, normal, radius, fill, ring, emphasis, .. } = *target;
         let own = (self.centre, self.normal, self.radius, self.emphasis);
         let place = own == (centre, normal, radius, emphasis);
         place && self.fill == fill && self.ring == ring

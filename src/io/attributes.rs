@@ -509,6 +509,7 @@ mod tests {
             vertex_hole: vec![0; new.len()],
             origins: vec![crate::Origin::NOWHERE; new.len()],
             colour_origins: Vec::new(),
+            loose: Default::default(),
             face_hole: vec![0; faces.len()],
             faces,
             holes: Vec::new(),

@@ -8,6 +8,7 @@ use super::ring_pattern::{keep_different, Candidate, RingPattern};
 use super::source::Source;
 use super::stretch::stretch;
 use crate::error::Result;
+use crate::fill::sheet::Sheet;
 use crate::parallel;
 use glam::{DMat3, DVec3};
 use std::sync::{Arc, OnceLock};
@@ -166,6 +167,26 @@ impl Maps {
     }
 }
 
+/// The rim of a hole that is only joined in part: what lies beyond that part says nothing of the fill.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Loose {
+    /// Rim vertices, and whether each is only joined; empty if none is.
+    rim: Arc<[(DVec3, bool)]>,
+}
+
+impl Loose {
+    /// Of a sheet.
+    pub fn new(sheet: &Sheet) -> Self {
+        Self { rim: sheet.positions.iter().copied().zip(sheet.loose.iter().copied()).collect() }
+    }
+
+    /// Whether a known point lies beyond: the nearest rim vertex is only joined.
+    pub fn beyond(&self, p: DVec3) -> bool {
+        let off = |r: &&(DVec3, bool)| r.0.distance_squared(p);
+        self.rim.iter().min_by(|a, b| off(a).total_cmp(&off(b))).is_some_and(|nearest| nearest.1)
+    }
+}
+
 /// What is known around a hole, and where the hole is.
 pub struct Target<'a> {
     /// Middle of the fill.
@@ -178,6 +199,8 @@ pub struct Target<'a> {
     pub fill: &'a [DVec3],
     /// Known points of the ring.
     pub ring: &'a [RingPoint],
+    /// What of the known says nothing.
+    pub loose: Loose,
     /// How many times what colours usually count they do here.
     pub emphasis: f64,
 }
@@ -291,7 +314,10 @@ fn search_maps(
         .flat_map(|target| {
             let frame = Frame::new(target.centre, target.normal, &maps.known.axes);
             let around = maps.known.blocks.near(target.centre, 1.5 * reach);
-            let known = HeightMap::new(&maps.known, &around, frame, reach);
+            let mut known = HeightMap::new(&maps.known, &around, frame, reach);
+            if target.loose != Loose::default() {
+                known.forget(reach, &|p| target.loose.beyond(p));
+            }
             let ring = |w: &f64| {
                 let width = (1.0 + w) * target.radius;
                 let paint = target.emphasis * maps.paint;
@@ -335,7 +361,7 @@ fn wide_ring(known: &Source, target: &Target<'_>, width: f64) -> Vec<RingPoint> 
         .iter()
         .map(|&v| v as usize)
         .map(|v| (known.positions[v], known.normals[v], known.tint(v)))
-        .filter(|(_, n, _)| n.dot(target.normal) > 0.0)
+        .filter(|(p, n, _)| n.dot(target.normal) > 0.0 && !target.loose.beyond(*p))
         .collect();
     thin_ring(&points, POINTS[1], &known.axes)
 }
@@ -431,6 +457,7 @@ mod tests {
                 radius: RADIUS,
                 fill: &fill,
                 ring: &ring,
+                loose: Loose::default(),
                 emphasis: 1.0,
             };
             let check = |_| Ok(());
@@ -466,8 +493,15 @@ mod tests {
         let ring = polar(&Rigid::IDENTITY, 0.35..0.6);
         let fill: Vec<DVec3> = polar(&Rigid::IDENTITY, 0.0..0.35).iter().map(|p| p.0).collect();
         let (centre, normal) = (fill[0], DVec3::Z);
-        let target =
-            Target { centre, normal, radius: RADIUS, fill: &fill, ring: &ring, emphasis: 1.0 };
+        let target = Target {
+            centre,
+            normal,
+            radius: RADIUS,
+            fill: &fill,
+            ring: &ring,
+            loose: Loose::default(),
+            emphasis: 1.0,
+        };
         let stop = |_| Err(Error::Cancelled);
         let found = find_candidates(&source, &source, &maps_of(&source), &[target], 1, &stop);
         assert_eq!(found.err(), Some(Error::Cancelled));

@@ -208,6 +208,7 @@ mod tests {
             vertex_hole: vec![0; 2],
             origins: vec![copied, Origin::NOWHERE],
             colour_origins: Vec::new(),
+            loose: Default::default(),
             face_hole: vec![0; 3],
             holes: vec![HoleReport {
                 hole: 0,

@@ -23,7 +23,7 @@ use super::factor::Symmetric;
 use crate::mesh::FaceView;
 use crate::options::{Appearance, Exemplar};
 use crate::result::{Completion, Seam, NONE};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 
 /// Length over which a wrong value at the rim fades, in radii of a round hole of so many vertices.
@@ -38,6 +38,8 @@ const SCREEN: f64 = 1.5;
 pub const TRUSTED: (f64, f64) = (0.5, 0.8);
 /// What is not seen: differences of this part of the range, 8 of 255.
 const UNSEEN: f64 = 0.03;
+/// Weight of an edge to a rim vertex that values do not go on from: only where no other says anything is it heard.
+const LOOSE: f64 = 1e-6;
 /// Fewer vertices of the ring than this say nothing.
 const LEAST: usize = 12;
 
@@ -66,14 +68,16 @@ pub fn complete_rows(completion: &Completion, known: &dyn Known) -> Option<Vec<f
     let input = completion.input_vertex_count as u32;
     let mut columns: Vec<Vec<(u32, f64)>> = (0..n).map(|i| vec![(i as u32, 0.0)]).collect();
     let mut rhs = vec![vec![0.0; n]; channels];
+    let loose: HashSet<u32> = completion.loose.iter().copied().collect();
     for [a, b] in edges(completion) {
         // The new one of the two, or the first.
         let (i, j) = if a < input { (b, a) } else { (a, b) };
         let step = guide.step(i, j);
         let at = (i - input) as usize;
-        columns[at][0].1 += 1.0;
+        let weight = if loose.contains(&j) { LOOSE } else { 1.0 };
+        columns[at][0].1 += weight;
         for (c, rhs) in rhs.iter_mut().enumerate() {
-            rhs[at] += step(c) - (guide.base(i, c) - guide.base(j, c));
+            rhs[at] += weight * (step(c) - (guide.base(i, c) - guide.base(j, c)));
         }
         if let Some(other) = j.checked_sub(input) {
             let (low, high) = (at.min(other as usize), at.max(other as usize));

@@ -69,6 +69,7 @@ impl Object {
             vertices: (0..n as u32).collect(),
             positions: Positions::Double(self.positions.clone()),
             faces: part(false).collect(),
+            ..Neighbourhood::default()
         };
         let incidence = Incidence::new(&near);
         Domain::new(&patch, &near, &incidence, &rim, edges.0 / edges.1, extent).unwrap()

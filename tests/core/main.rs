@@ -8,6 +8,7 @@ mod fragment;
 mod guidance;
 mod holes;
 mod initial;
+mod loose;
 mod meshes;
 mod part;
 mod points;

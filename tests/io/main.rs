@@ -28,6 +28,7 @@ pub fn floor() -> Completion {
         vertex_hole: vec![7],
         origins: vec![Origin {
             colour_origins: Vec::new(),
+            loose: Default::default(),
             face: 2,
             barycentric: [0.25, 0.5, 0.25],
             source: 1,

@@ -84,6 +84,8 @@ class Options(c.Structure):
         ("constraint_count", c_size_t),
         ("softness", c_double),
         ("part", c_uint32),
+        ("loose_vertices", c_void_p),
+        ("loose_count", c_size_t),
     ]
 
 

@@ -50,6 +50,7 @@ def complete_mesh(
     constraint_points: Optional[ArrayLike] = None,
     softness: float = 0.0,
     part: bool = False,
+    loose_vertices: Optional[ArrayLike] = None,
     threads: int = 0,
     output: str = "whole_mesh",
     progress: Optional[Progress] = None,
@@ -114,6 +115,8 @@ def complete_mesh(
         part: fill each hole with a part taken whole, with the source's own triangles: a missing hand,
             foot or spout. It is what lies over the hole at `placement`, or at the first of the places
             found that has one.
+        loose_vertices: vertices of rims where the fill need only be joined: neither tangents nor relief
+            nor values go on from what lies beyond them.
         threads: worker threads, 0 for as many as there are cores. The result does not depend on it.
         output: "whole_mesh", or "new_only" for a result without `vertices` and `faces`.
         progress: called as ``progress(fraction, stage)`` with 0 to 1 and a word or two, on the
@@ -227,6 +230,7 @@ class Completer:
         constraint_points: Optional[ArrayLike] = None,
         softness: float = 0.0,
         part: bool = False,
+        loose_vertices: Optional[ArrayLike] = None,
         threads: int = 0,
         output: str = "whole_mesh",
         progress: Optional[Progress] = None,

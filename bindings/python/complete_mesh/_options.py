@@ -63,6 +63,7 @@ class Call:
         constraint_points: Optional[ArrayLike] = None,
         softness: float = 0.0,
         part: bool = False,
+        loose_vertices: Optional[ArrayLike] = None,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -96,6 +97,9 @@ class Call:
             options.exemplar_part_count = len(exemplar_parts)
         self._set_points(constraint_points, softness)
         options.part = bool(part)
+        if loose_vertices is not None:
+            options.loose_vertices = self._indices("loose_vertices", loose_vertices)
+            options.loose_count = len(loose_vertices)
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
