@@ -208,19 +208,17 @@ impl Laplacian {
                 for k in (0..3).filter(|&k| tri[k] as usize == v) {
                     let (next, last) = ((k + 1) % 3, (k + 2) % 3);
                     l.mass[v] += area2 / 6.0;
-                    row.push((tri[next], half_cot(last)));
-                    row.push((tri[last], half_cot(next)));
+                    add_to(&mut row, tri[next], half_cot(last));
+                    add_to(&mut row, tri[last], half_cot(next));
                 }
             }
             row.sort_unstable_by_key(|e| e.0);
-            for same in row.chunk_by(|x, y| x.0 == y.0) {
+            for &(to, half_cotangents) in &row {
                 let w = match weights {
                     Weights::Uniform => 1.0,
-                    Weights::Cotangent => {
-                        same.iter().map(|e| e.1).sum::<f64>().clamp(WEIGHT_RANGE.0, WEIGHT_RANGE.1)
-                    }
+                    Weights::Cotangent => half_cotangents.clamp(WEIGHT_RANGE.0, WEIGHT_RANGE.1),
                 };
-                l.to.push(same[0].0);
+                l.to.push(to);
                 l.weight.push(w);
                 l.diagonal[v] += w;
             }
@@ -244,5 +242,13 @@ impl Laplacian {
     pub fn row(&self, v: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let range = self.start[v] as usize..self.start[v + 1] as usize;
         range.map(|e| (self.to[e] as usize, self.weight[e]))
+    }
+}
+
+/// Adds to the entry of a column; a row has few.
+fn add_to(row: &mut Vec<(u32, f64)>, column: u32, value: f64) {
+    match row.iter_mut().find(|e| e.0 == column) {
+        Some(entry) => entry.1 += value,
+        None => row.push((column, value)),
     }
 }

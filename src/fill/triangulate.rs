@@ -252,10 +252,12 @@ impl Corners<'_> {
         // The chords of row i by their second corner; infinite where there is none.
         let mut left_weight = vec![f64::INFINITY; n];
         let mut left_normal = vec![DVec3::ZERO; n];
+        let mut left_length = vec![0.0; n];
         // Descending i, ascending j: the parts of a chord come before it.
         for i in (0..n).rev() {
             let row = chords.row(i);
             for &j in row {
+                left_length[j as usize] = self.points[i].distance(self.points[j as usize]);
                 let (best, apex, normal) = if j as usize == i + 1 {
                     (0.0, NONE, self.beyond(i))
                 } else {
@@ -266,6 +268,7 @@ impl Corners<'_> {
                         apexes: &columns.apex[filled],
                         left_weight: &left_weight,
                         left_normal: &left_normal,
+                        left_length: &left_length,
                     };
                     pace.work(parts.corners.len())?;
                     parts.least(self, i, j as usize)
@@ -286,6 +289,7 @@ struct Parts<'a> {
     apexes: &'a [u32],
     left_weight: &'a [f64],
     left_normal: &'a [DVec3],
+    left_length: &'a [f64],
 }
 
 impl Parts<'_> {
@@ -311,18 +315,24 @@ impl Parts<'_> {
         if cheapest == usize::MAX {
             return best;
         }
+        // Rejected as soon as a part of the sum is too much: square roots are what this costs.
         let offer = |k: usize, best: &mut (f64, u32, DVec3)| {
             let mut total = self.sum(k) + own;
             let at = self.corners[k] as usize;
             let b = all.points[at];
-            let (normal, area2) = unit((b - a).cross(c - a));
+            let cross = (b - a).cross(c - a);
+            let room = best.0 - total;
+            if 0.25 * cross.length_squared() > SURELY * room * room {
+                return;
+            }
+            let (normal, area2) = unit(cross);
             total += 0.5 * area2;
-            if total >= best.0 {
+            let left = all.fold(normal, self.left_normal[at], self.left_length[at]);
+            if total + left >= best.0 {
                 return;
             }
             let right = all.normal(at, j, self.apexes[k]);
-            total += all.fold(normal, self.left_normal[at], a.distance(b))
-                + all.fold(normal, right, b.distance(c));
+            total += left + all.fold(normal, right, b.distance(c));
             if i == 0 && j == n - 1 {
                 total += all.fold(normal, all.beyond(n - 1), chord2.sqrt());
             }
@@ -339,6 +349,9 @@ impl Parts<'_> {
         best
     }
 }
+
+/// What is greater by this factor is so whatever the rounding.
+const SURELY: f64 = 1.0 + 1e-9;
 
 /// A vector's direction, zero without one, and its length.
 fn unit(v: DVec3) -> (DVec3, f64) {

@@ -114,6 +114,9 @@ fn meet_beyond_vertex(a: &Triangle, ends_a: [DVec3; 2], b: &Triangle, ends_b: [D
     let Some(&apex) = a.iter().find(|&&x| x != a1 && x != a2) else {
         return false;
     };
+    if plane_separates(apex, ends_a, ends_b) {
+        return false;
+    }
     let axis = dominant_axis((a1 - apex).cross(a2 - apex));
     if ray_separates(axis, apex, a1, a2, ends_b)
         || ray_separates(axis, apex, a2, a1, ends_b)
@@ -132,6 +135,23 @@ fn meet_beyond_vertex(a: &Triangle, ends_a: [DVec3; 2], b: &Triangle, ends_b: [D
         return false;
     }
     segment_meets(ends_a, sides_a, b) || segment_meets(ends_b, sides_b, a)
+}
+
+/// A difference of f64 is exact but for a factor of 1 ± 2⁻⁵³, so are the products; with two sums of
+/// three, a scalar product of differences is off by less than this times the sum of its absolute terms.
+const DOT_ERROR: f64 = 8.0 * f64::EPSILON;
+
+/// Do the corners of two triangles lie beyond doubt on two sides of one plane through their common
+/// corner? It is square to the line from one to the other, which settles most neighbours.
+fn plane_separates(apex: DVec3, ends_a: [DVec3; 2], ends_b: [DVec3; 2]) -> bool {
+    let (a, b) = (ends_a.map(|p| p - apex), ends_b.map(|p| p - apex));
+    let across = (a[0] + a[1]) - (b[0] + b[1]);
+    let side = |p: DVec3| {
+        let doubt = DOT_ERROR * p.abs().dot(across.abs()) + f64::MIN_POSITIVE;
+        let dot = p.dot(across);
+        i32::from(dot > doubt) - i32::from(dot < -doubt)
+    };
+    a.iter().all(|&p| side(p) > 0) && b.iter().all(|&p| side(p) < 0)
 }
 
 /// In the view along `axis`: does the line through `apex` and `on` have the triangle (apex, on,

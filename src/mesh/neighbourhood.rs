@@ -215,7 +215,7 @@ fn outcodes(mesh: MeshView<'_>, grid: &Grid, monitor: &Monitor) -> Result<Vec<u8
         codes.extend((start..n.min(start + CHUNK)).map(|v| {
             let p = DVec3::from(mesh.vertices.get(v));
             match (p.cmplt(min).bitmask() | p.cmpgt(max).bitmask() << 3) as u8 {
-                0 if grid.meets(&Bounds { min: p, max: p }) => MARKED,
+                0 if grid.meets_point(p) => MARKED,
                 sides => sides,
             }
         }));
@@ -278,8 +278,8 @@ impl FacePlaces {
     }
 }
 
-/// First and last cell, by axis.
-type CellRange = ([usize; 3], [usize; 3]);
+/// First and last cell, by axis: there are [`CELLS`] and one at most.
+type CellRange = ([u8; 3], [u8; 3]);
 
 /// Which cells of a coarse grid the boxes touch.
 pub struct Grid {
@@ -322,22 +322,45 @@ impl Grid {
     }
 
     /// Calls `f` with each cell of a range.
-    fn visit(&self, (lo, hi): &CellRange, mut f: impl FnMut(usize)) {
+    #[inline]
+    fn visit(&self, &(lo, hi): &CellRange, mut f: impl FnMut(usize)) {
+        // Most boxes lie in one cell.
+        if lo == hi {
+            return f(self.index(lo));
+        }
         for z in lo[2]..=hi[2] {
             for y in lo[1]..=hi[1] {
-                let row = (z * self.size[1] + y) * self.size[0];
-                (row + lo[0]..=row + hi[0]).for_each(&mut f);
+                let row = self.index([0, y, z]);
+                (row + usize::from(lo[0])..=row + usize::from(hi[0])).for_each(&mut f);
             }
         }
     }
 
+    /// The number of a cell.
+    #[inline]
+    fn index(&self, [x, y, z]: [u8; 3]) -> usize {
+        (usize::from(z) * self.size[1] + usize::from(y)) * self.size[0] + usize::from(x)
+    }
+
+    /// The cell of a point, cut to the grid.
+    #[inline]
+    fn cell(&self, p: DVec3) -> [u8; 3] {
+        let cell = ((p - self.bounds.min) * self.scale).max(DVec3::ZERO).min(self.last);
+        [cell.x as u32 as u8, cell.y as u32 as u8, cell.z as u32 as u8]
+    }
+
     /// The cells that a box touches, cut to the grid.
+    #[inline]
     fn range(&self, b: &Bounds) -> CellRange {
-        let index = |p: DVec3| {
-            let cell = ((p - self.bounds.min) * self.scale).max(DVec3::ZERO).min(self.last);
-            [cell.x as u32 as usize, cell.y as u32 as usize, cell.z as u32 as usize]
-        };
-        (index(b.min), index(b.max))
+        (self.cell(b.min), self.cell(b.max))
+    }
+
+    /// Whether the cell of a point that lies in the grid is marked, or one of a few boxes holds it.
+    fn meets_point(&self, p: DVec3) -> bool {
+        match self.boxes.is_empty() {
+            true => self.full[self.index(self.cell(p))],
+            false => self.boxes.iter().any(|x| x.contains(&Bounds { min: p, max: p })),
+        }
     }
 
     /// Whether a box touches a marked cell.
@@ -349,10 +372,14 @@ impl Grid {
             return self.boxes.iter().any(|x| x.overlaps(b));
         }
         let (lo, hi) = self.range(b);
+        if lo == hi {
+            return self.full[self.index(lo)];
+        }
         (lo[2]..=hi[2]).any(|z| {
             (lo[1]..=hi[1]).any(|y| {
-                let row = (z * self.size[1] + y) * self.size[0];
-                self.full[row + lo[0]..=row + hi[0]].iter().any(|&full| full)
+                let row = self.index([0, y, z]);
+                let row = &self.full[row + usize::from(lo[0])..=row + usize::from(hi[0])];
+                row.iter().any(|&full| full)
             })
         })
     }

@@ -71,8 +71,6 @@ pub(super) struct Scaffold {
     /// Its triangles, over its own vertices.
     pub faces: Vec<[u32; 3]>,
     rims: Vec<Rim>,
-    /// Whether the rims know what the second detector says.
-    asked: bool,
     found: PointHoles,
 }
 
@@ -129,7 +127,7 @@ impl Scaffold {
             let each = |v: usize| probability(&points, &normals, &neighbours, v);
             let likely = blocks(points.len(), threads, monitor, &each)?;
             let loops = spanning::loops(&points, &neighbours, &likely, monitor)?;
-            rims.iter_mut().for_each(|r| r.agreed = agree(&r.points, &loops, &neighbours));
+            rims.iter_mut().for_each(|r| r.agreed = Some(agree(&r.points, &loops, &neighbours)));
         }
         let alive = surface.triangles.iter().zip(&surface.dropped).filter(|t| !t.1);
         let faces: Vec<[u32; 3]> = alive.map(|t| *t.0).collect();
@@ -140,8 +138,7 @@ impl Scaffold {
         let half = middle.len() / 2;
         let spacing = *middle.select_nth_unstable_by(half, f64::total_cmp).1;
         let found = PointHoles { spacing, missing, doubles, outliers, ..PointHoles::default() };
-        let asked = second == Second::Asked;
-        Ok(Self { ids, faces, rims, asked, found })
+        Ok(Self { ids, faces, rims, found })
     }
 
     /// The caller's grouping in the mesh's own numbers. Only a hole and the islands in it, and
@@ -224,7 +221,7 @@ impl Scaffold {
             let points: f64 = rims.iter().map(|r| r.points.len() as f64).sum();
             let sum: f64 = rims.iter().map(|r| r.probability * r.points.len() as f64).sum();
             found.probability.push(sum / points.max(1.0));
-            found.agreed.extend(self.asked.then(|| rims.iter().all(|r| r.agreed)));
+            found.agreed.extend(rims.iter().try_fold(true, |all, r| Some(all & r.agreed?)));
         }
         (found, numbers)
     }

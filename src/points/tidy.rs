@@ -32,8 +32,8 @@ pub struct Rim {
     pub missing: f64,
     /// Mean boundary probability of its points, once it is known.
     pub probability: f64,
-    /// Whether the loops of [`super::spanning`] agree, once they are known.
-    pub agreed: bool,
+    /// Whether the loops of [`super::spanning`] agree, if they were asked.
+    pub agreed: Option<bool>,
 }
 
 /// What a rim goes round.
@@ -78,8 +78,7 @@ fn close_cracks(surface: &mut Surface<'_>) -> usize {
 /// What a loop goes round, and the triangles that close it (none if it is long, or none fit).
 fn judge(surface: &Surface<'_>, points: Vec<u32>) -> (Rim, Vec<[u32; 3]>) {
     let count = points.len();
-    let rim =
-        |points, kind, missing| Rim { points, kind, missing, probability: 0.0, agreed: false };
+    let rim = |points, kind, missing| Rim { points, kind, missing, probability: 0.0, agreed: None };
     if count >= SMALLEST_RIM && is_border(surface, &points) {
         return (rim(points, RimKind::Border, 0.0), Vec::new());
     }
