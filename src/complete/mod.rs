@@ -422,8 +422,13 @@ impl<'a> Completer<'a> {
                 Err(why) => first = first.or(Some(why)),
             }
         }
-        let why = first.filter(|_| good == 0);
-        Ok(Err(why.unwrap_or_else(|| format!("{good} parts serve it, fewer than asked for"))))
+        Ok(Err(match (first, good) {
+            (Some(why), 0) => why,
+            (None, 0) => "no place with surroundings like its own was found: give the part's \
+                          transform"
+                .into(),
+            _ => format!("only {good} places have a part for it"),
+        }))
     }
 
     /// The smooth fills made coherent with the object (Harary et al. 2014): of each hole the most
