@@ -141,7 +141,11 @@ impl Task<'_> {
         let middle = domain.fill.clone().min_by(|a, b| off(a).total_cmp(&off(b)));
         let centre = middle.map_or(target.centre, |v| positions[v]);
         let frame = Frame::new(centre, target.normal, &library.known.axes);
-        let rough = roughness(self.around, library, domain);
+        // Colours may come from a smoother place.
+        let rough = match by {
+            By::Shape => roughness(self.around, library, domain),
+            By::Colour => 0.0,
+        };
         let hole = Hole::new(frame, target.radius, target.fill, &ring, &features.known, rough);
         let (source, mirrored) = (library.source(), library.mirrored);
         let of_source = features.chosen.as_ref().unwrap_or(&features.known);

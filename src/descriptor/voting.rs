@@ -143,9 +143,9 @@ mod tests {
         }
     }
 
-    /// Curved one way only, and the torus both ways and as a saddle: within some per cent on meshes.
+    /// Curved one way only: within some per cent on a mesh of even triangles.
     #[test]
-    fn cylinders_and_tori_have_their_curvatures() {
+    fn a_cylinder_is_curved_across() {
         let at = |u: f64, v: f64| DVec3::new((TAU * u).cos(), (TAU * u).sin(), 3.0 * v);
         let (positions, faces) = grid((60, 30), (true, false), at);
         for (p, [k1, k2]) in positions.iter().zip(of(&positions, &faces)) {
@@ -153,21 +153,6 @@ mod tests {
                 assert!((k1 - 1.0).abs() < 0.06 && k2.abs() < 0.06, "{p}: {k1} {k2}");
             }
         }
-        let r = 0.4;
-        let at = |u: f64, v: f64| {
-            let out = 1.0 + r * (TAU * v).cos();
-            DVec3::new(out * (TAU * u).cos(), out * (TAU * u).sin(), r * (TAU * v).sin())
-        };
-        let (positions, faces) = grid((150, 60), (true, true), at);
-        let mut off: f64 = 0.0;
-        for (p, [k1, k2]) in positions.iter().zip(of(&positions, &faces)) {
-            let out = p.truncate().length();
-            let along = (out - 1.0) / r / out;
-            // Nine voters in uneven directions are a coarse sum for Eq. 2; the trace does not suffer.
-            assert!((k1 - 1.0 / r).abs() < 0.7 && (k2 - along).abs() < 0.7, "{k1} {k2} {along}");
-            off = off.max((k1 + k2 - 1.0 / r - along).abs());
-        }
-        assert!(off < 0.3, "{off}");
     }
 
     /// One that nobody votes for, and a flat sheet.

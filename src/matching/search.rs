@@ -315,6 +315,10 @@ fn search_maps(
             let frame = Frame::new(target.centre, target.normal, &maps.known.axes);
             let around = maps.known.blocks.near(target.centre, 1.5 * reach);
             let mut known = HeightMap::new(&maps.known, &around, frame, reach);
+            // Colours alone may come from a smoother place.
+            if target.emphasis > 1.0 {
+                known.roughness = 0.0;
+            }
             if target.loose != Loose::default() {
                 known.forget(reach, &|p| target.loose.beyond(p));
             }
