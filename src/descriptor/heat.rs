@@ -2,8 +2,8 @@
 //! multi-scale signature based on heat diffusion").
 //!
 //! Differences from the paper: it is known at coarse vertices and interpolated (in the manner of
-//! Vaxman, Ben-Chen and Gotsman 2010); times may be spaced evenly, as Harary, Tal and Grinspun
-//! (2014) do, or by factors, as Sun et al. do.
+//! Vaxman, Ben-Chen and Gotsman 2010); times are spaced evenly, as Harary, Tal and Grinspun (2014) do,
+//! not by factors.
 
 use super::prolong::Prolongation;
 use super::spectrum::Spectrum;
@@ -13,29 +13,18 @@ use faer::{Accum, Mat, Par};
 /// Times of a signature; Harary et al. 2014, section 4.
 pub const TIME_COUNT: usize = 100;
 
-/// How the times lie between 4 ln 10/λ₃₀₀ and 4 ln 10/λ₂.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TimeScale {
-    /// At even distances (Harary et al. 2014).
-    Linear,
-    /// At even ratios (Sun et al. 2009).
-    Logarithmic,
-}
-
 /// Heat kernel signatures of all vertices of a (coarse) mesh.
 #[derive(Debug, Clone, Default)]
 pub struct Heat {
     /// The times, ascending, in square mesh units.
     pub times: Vec<f64>,
-    /// The heat trace at each time: Σ exp(−λᵢ t) over all eigenvalues, zeros included.
-    pub trace: Vec<f64>,
     /// h_t(x, x), a row a vertex, in 1/(square mesh unit).
     pub values: Vec<f64>,
 }
 
-/// `count` times between 4 ln 10/λ_last and 4 ln 10/λ_first (of those above zero); without any
+/// `count` times, evenly spaced, between 4 ln 10/λ_last and 4 ln 10/λ_first (of those above zero); without any
 /// such eigenvalue, or where they are zero by rounding, the area stands for the longest time.
-pub fn heat_times(spectrum: &Spectrum, scale: TimeScale, count: usize) -> Vec<f64> {
+pub fn heat_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
     let four_ln_10 = 4.0 * 10f64.ln();
     let area: f64 = spectrum.mass.iter().sum();
     // λ₂ of a long thin object is small, but not beyond this.
@@ -43,11 +32,7 @@ pub fn heat_times(spectrum: &Spectrum, scale: TimeScale, count: usize) -> Vec<f6
     let time = |value: Option<f64>| four_ln_10 / value.unwrap_or(1.0 / area).max(least);
     let (first, last) = (time(spectrum.last_value()), time(spectrum.first_value()));
     let part = |i: usize| i as f64 / (count.max(2) - 1) as f64;
-    let times = (0..count).map(|i| match scale {
-        TimeScale::Linear => first + part(i) * (last - first),
-        TimeScale::Logarithmic => first * (last / first).powf(part(i)),
-    });
-    times.collect()
+    (0..count).map(|i| first + part(i) * (last - first)).collect()
 }
 
 impl Heat {
@@ -64,11 +49,7 @@ impl Heat {
             let constant = 1.0 / spectrum.component_mass[spectrum.component[v] as usize];
             values.extend(product.col(v).iter().map(|x| x + constant));
         }
-        let zeros = spectrum.component_mass.len() as f64;
-        let trace = times
-            .iter()
-            .map(|t| zeros + spectrum.values.iter().map(|l| (-l * t).exp()).sum::<f64>());
-        Self { trace: trace.collect(), values, times }
+        Self { values, times }
     }
 
     /// The signature of coarse vertex `v`.

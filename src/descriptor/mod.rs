@@ -24,7 +24,7 @@ pub mod voting;
 use crate::error::Result;
 use crate::progress::Monitor;
 use glam::DVec3;
-use heat::{heat_times, Heat, TimeScale, TIME_COUNT};
+use heat::{heat_times, Heat, TIME_COUNT};
 use prolong::Prolongation;
 use simplify::{simplify, Coarse, Cost};
 use spectrum::Spectrum;
@@ -69,7 +69,7 @@ impl Spectral {
     }
 
     /// Heat kernel signatures at [`TIME_COUNT`] times.
-    pub fn heat(&self, scale: TimeScale) -> Heat {
-        Heat::new(&self.spectrum, heat_times(&self.spectrum, scale, TIME_COUNT))
+    pub fn heat(&self) -> Heat {
+        Heat::new(&self.spectrum, heat_times(&self.spectrum, TIME_COUNT))
     }
 }

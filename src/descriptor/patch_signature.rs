@@ -2,11 +2,6 @@
 //! "Context-based coherent surface completion", section 4).
 //!
 //! Differences from the paper:
-//! - [`Moments::late`]: only the mean, without the first times, at which a smooth fill is unlike any
-//!   source; and each time in units of its spread over all sources ([`Scale::Spread`]), so that all
-//!   count alike. The paper's ([`Moments::paper`]) is ruled by the shortest time. On an eye of a
-//!   head of 134k vertices the nearest patch is the right one at 97 % of the places, with the
-//!   paper's at 15 %; all figures in `docs/spectrum.md`.
 //! - Averages are over area, not over vertices, so that the density of the mesh does not count.
 //! - The search is among the leading principal components ([`SEARCH_DIMENSIONS`]).
 //! - The square of the signature is interpolated like the signature itself, so the variance counts
@@ -24,10 +19,6 @@ use std::collections::BinaryHeap;
 /// Principal components that the search looks at. Measured: with 12 the right patch is found as often
 /// as with all 100 entries, with 6 nearly so; `docs/spectrum.md`.
 pub const SEARCH_DIMENSIONS: usize = 12;
-/// Part of the (evenly spaced) times that [`Moments::late`] leaves out. Measured: without them the
-/// nearest patch is right at 97 % instead of 66 % of the places in one eye, 88 % instead of 71 % in
-/// another hole, 78 % instead of 44 % in a third; with 0.25 it is 74 %, 78 % and 56 %.
-pub const SKIPPED: f64 = 0.1;
 /// Patches between two looks at the monitor: some 10 ms.
 const BEAT: usize = 256;
 /// Sources compared at a time: 12 · 1024 numbers stay in the first-level cache.
@@ -93,18 +84,8 @@ impl Signatures {
 #[derive(Debug, Clone, Default)]
 pub struct Moments {
     times: usize,
-    trace: Vec<f64>,
     /// Rows of `times` means, then as many variances.
     rows: Vec<f64>,
-}
-
-/// Which of the [`Moments`] are wanted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Parts {
-    /// Only the means; variances are 0. Nearly twice as fast.
-    Mean,
-    /// Both, as the paper's descriptor needs them.
-    MeanAndVariance,
 }
 
 /// What patches are described with.
@@ -127,7 +108,6 @@ impl Moments {
         heat: &Heat,
         centres: &[u32],
         radius: f64,
-        parts: Parts,
         monitor: &Monitor,
     ) -> Result<Self> {
         let times = heat.times.len();
@@ -160,13 +140,11 @@ impl Moments {
                 let part = std::mem::take(&mut share[c]) / sum;
                 let row = heat.row(c);
                 mean.iter_mut().zip(row).for_each(|(m, h)| *m += part * h);
-                if parts == Parts::MeanAndVariance {
-                    variance.iter_mut().zip(row).for_each(|(s, h)| *s += part * h * h);
-                }
+                variance.iter_mut().zip(row).for_each(|(s, h)| *s += part * h * h);
             }
             variance.iter_mut().zip(mean).for_each(|(s, m)| *s = (*s - *m * *m).max(0.0));
         }
-        Ok(Self { times, trace: heat.trace.clone(), rows })
+        Ok(Self { times, rows })
     }
 
     /// Number of patches.
@@ -189,18 +167,8 @@ impl Moments {
         &self.rows[(2 * i + 1) * self.times..][..self.times]
     }
 
-    /// The mean at each time over the heat trace, a number near 1/area, without the first tenth of
-    /// the times ([`SKIPPED`]): ours. To be searched with [`Scale::Spread`], times evenly spaced.
-    pub fn late(&self) -> Signatures {
-        let skipped = (SKIPPED * self.times as f64) as usize;
-        Signatures::from_rows(self.times - skipped, self.len(), |i, row| {
-            let scaled = self.mean(i).iter().zip(&self.trace).skip(skipped);
-            row.iter_mut().zip(scaled).for_each(|(r, (m, t))| *r = (m / t) as f32);
-        })
-    }
-
-    /// Mean and variance in a time domain, the greatest of each scaled to 1: the paper's. Times
-    /// should be evenly spaced.
+    /// Mean and variance in a time domain, the greatest of each scaled to 1. Times should be evenly
+    /// spaced.
     pub fn paper(&self, domain: Domain) -> Signatures {
         let count = domain.count(self.times);
         Signatures::from_rows(2 * count, self.len(), |i, row| {
@@ -214,22 +182,11 @@ impl Moments {
     }
 }
 
-/// In which unit signatures are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    /// As they are.
-    Given,
-    /// Each entry in units of its standard deviation over the sources.
-    Spread,
-}
-
 /// Signatures ready to be searched.
 pub struct Index {
     source: Signatures,
     /// Mean of the sources.
     mean: Vec<f64>,
-    /// One over the unit of each entry.
-    factor: Vec<f64>,
     /// Principal directions as rows.
     axes: Vec<Vec<f64>>,
     /// Components of the sources: all first ones, all second ones, ...
@@ -261,42 +218,22 @@ impl Ord for Neighbour {
     }
 }
 
-fn one_over_spread(source: &Signatures, mean: &[f64]) -> Vec<f64> {
-    let mut sum = vec![0.0; mean.len()];
-    for i in 0..source.len() {
-        for ((s, x), m) in sum.iter_mut().zip(source.row(i)).zip(mean) {
-            *s += (f64::from(*x) - m).powi(2);
-        }
-    }
-    let inverse = |s: f64| (source.len() as f64 / s).sqrt();
-    sum.into_iter().map(|s| if s > 0.0 { inverse(s) } else { 0.0 }).collect()
-}
-
 impl Index {
     /// Principal components of the sources, at most `dimensions`.
-    pub fn new(
-        source: Signatures,
-        scale: Scale,
-        dimensions: usize,
-        monitor: &Monitor,
-    ) -> Result<Self> {
+    pub fn new(source: Signatures, dimensions: usize, monitor: &Monitor) -> Result<Self> {
         let (n, dim) = (source.len(), source.dim);
         let mut mean = vec![0.0; dim];
         for i in 0..n {
             mean.iter_mut().zip(source.row(i)).for_each(|(m, x)| *m += f64::from(*x));
         }
         mean.iter_mut().for_each(|m| *m /= n.max(1) as f64);
-        let factor = match scale {
-            Scale::Given => vec![1.0; dim],
-            Scale::Spread => one_over_spread(&source, &mean),
-        };
         let centred = |i: usize, out: &mut [f64]| {
             for k in 0..dim {
-                out[k] = (f64::from(source.row(i)[k]) - mean[k]) * factor[k];
+                out[k] = f64::from(source.row(i)[k]) - mean[k];
             }
         };
         let axes = principal_axes(dim, dimensions, n, centred, monitor)?;
-        let mut index = Self { source, mean, factor, axes, columns: Vec::new() };
+        let mut index = Self { source, mean, axes, columns: Vec::new() };
         index.columns = vec![vec![0.0; n]; index.axes.len()];
         let mut components = vec![0.0; index.axes.len()];
         for i in 0..n {
@@ -310,9 +247,8 @@ impl Index {
     }
 
     fn project(&self, row: &[f32], components: &mut [f32]) {
-        let centred: Vec<f64> = (row.iter().zip(&self.mean).zip(&self.factor))
-            .map(|((x, m), f)| (f64::from(*x) - m) * f)
-            .collect();
+        let centred: Vec<f64> =
+            row.iter().zip(&self.mean).map(|(x, m)| f64::from(*x) - m).collect();
         for (component, axis) in components.iter_mut().zip(&self.axes) {
             *component = centred.iter().zip(axis).map(|(x, a)| x * a).sum::<f64>() as f32;
         }

@@ -10,9 +10,7 @@
 
 use super::object::Object;
 use crate::descriptor::ball::Balls;
-use crate::descriptor::patch_signature::{
-    Domain, Index, Moments, Parts, Scale, Signatures, SEARCH_DIMENSIONS,
-};
+use crate::descriptor::patch_signature::{Domain, Index, Moments, Signatures, SEARCH_DIMENSIONS};
 use crate::error::Result;
 use crate::mesh::neighbourhood::NONE;
 use crate::progress::Monitor;
@@ -52,7 +50,7 @@ impl Sources {
         let centres: Vec<u32> = all.into_iter().step_by(step).collect();
         let index = describe(object, &centres, radius, monitor)?
             .into_iter()
-            .map(|signatures| Index::new(signatures, Scale::Given, SEARCH_DIMENSIONS, monitor))
+            .map(|signatures| Index::new(signatures, SEARCH_DIMENSIONS, monitor))
             .collect::<Result<_>>()?;
         Ok(Self { centres, index, radius })
     }
@@ -118,14 +116,7 @@ fn describe(
 ) -> Result<Vec<Signatures>> {
     let mut all = vec![Signatures::default(); Domain::ALL.len()];
     for block in centres.chunks(BLOCK) {
-        let moments = Moments::new(
-            object.surface(),
-            &object.heat,
-            block,
-            radius,
-            Parts::MeanAndVariance,
-            monitor,
-        )?;
+        let moments = Moments::new(object.surface(), &object.heat, block, radius, monitor)?;
         for (signatures, domain) in all.iter_mut().zip(Domain::ALL) {
             let part = moments.paper(domain);
             signatures.dim = part.dim;

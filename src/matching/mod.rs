@@ -4,7 +4,6 @@ pub mod axes;
 pub mod blocks;
 pub mod candidates;
 pub mod cloud;
-pub mod consistent;
 pub mod fragment;
 pub mod height_map;
 pub mod icp;
@@ -18,5 +17,3 @@ pub mod signature;
 pub mod similarity;
 pub mod source;
 pub mod stretch;
-#[cfg(test)]
-mod tests;

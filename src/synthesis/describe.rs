@@ -5,7 +5,6 @@
 use super::field::feature_line_field;
 use crate::descriptor::ball::VertexGraph;
 use crate::descriptor::curvature::{principal_curvatures, Curvature};
-use crate::descriptor::heat::TimeScale;
 use crate::descriptor::laplacian::lumped_masses;
 use crate::descriptor::principal::Principal;
 use crate::descriptor::ridges::find_feature_lines;
@@ -39,7 +38,7 @@ pub struct Parts {
 pub fn describe(parts: Parts, rings: usize, monitor: &Monitor) -> Result<Object> {
     let Parts { positions, faces, hole_of_face, hole_of_vertex } = parts;
     let spectral = Spectral::new(&positions, &faces, monitor)?;
-    let heat = spectral.heat(TimeScale::Linear);
+    let heat = spectral.heat();
     monitor.check()?;
     let coarse_count = spectral.coarse.positions.len();
     let principal = Principal::new(|i| heat.row(i), coarse_count, heat.times.len(), HEAT, monitor)?;

@@ -1,14 +1,13 @@
 use super::super::ball::{Balls, VertexGraph};
-use super::super::heat::TimeScale;
 use super::super::patch_signature::{
-    Domain, Index, Moments, Parts, Scale, Surface, SEARCH_DIMENSIONS,
+    Domain, Index, Moments, Neighbour, Surface, SEARCH_DIMENSIONS,
 };
 use super::super::{laplacian, Spectral};
 use super::{potato, sphere, square, Shape};
 use crate::progress::Monitor;
 use glam::{DMat3, DVec3};
 
-fn moments((p, f): &Shape, scale: TimeScale, centres: &[u32], radius: f64) -> Moments {
+fn moments((p, f): &Shape, centres: &[u32], radius: f64) -> Moments {
     let monitor = Monitor::silent();
     let spectral = Spectral::with_sizes(p, f, 1500, 100, &monitor).unwrap();
     let surface = Surface {
@@ -17,8 +16,7 @@ fn moments((p, f): &Shape, scale: TimeScale, centres: &[u32], radius: f64) -> Mo
         mass: &laplacian::lumped_masses(p, f),
         prolongation: &spectral.prolongation,
     };
-    Moments::new(surface, &spectral.heat(scale), centres, radius, Parts::MeanAndVariance, &monitor)
-        .unwrap()
+    Moments::new(surface, &spectral.heat(), centres, radius, &monitor).unwrap()
 }
 
 #[test]
@@ -45,23 +43,15 @@ fn signatures_do_not_change_with_the_pose() {
     moved.0.iter_mut().for_each(|p| *p = turn * *p + DVec3::new(5.0, 3.0, -1.0));
     moved.1.iter_mut().for_each(|f| f.swap(1, 2));
     let centres: Vec<u32> = (0..100).map(|i| i * 10).collect();
-    let (a, b) = (TimeScale::Logarithmic, TimeScale::Linear);
-    for (scale, tolerance) in [(a, 1e-3), (b, 1e-3)] {
-        let x = moments(&shape, scale, &centres, 0.3);
-        let y = moments(&moved, scale, &centres, 0.3);
-        let pairs =
-            [(x.late(), y.late()), (x.paper(Domain::LowerHalf), y.paper(Domain::LowerHalf))];
-        for (x, y) in pairs {
-            for (x, y) in x.rows.iter().zip(&y.rows) {
-                assert!((x - y).abs() <= tolerance * x.abs().max(0.1), "{scale:?} {x} {y}");
-            }
-        }
+    let signatures = |shape| moments(shape, &centres, 0.3).paper(Domain::LowerHalf);
+    for (x, y) in signatures(&shape).rows.iter().zip(&signatures(&moved).rows) {
+        assert!((x - y).abs() <= 1e-3 * x.abs().max(0.1), "{x} {y}");
     }
 }
 
 #[test]
 fn the_papers_descriptor_has_its_sizes_and_its_norm() {
-    let m = moments(&potato(3), TimeScale::Linear, &[0, 7], 0.4);
+    let m = moments(&potato(3), &[0, 7], 0.4);
     for (domain, dim) in Domain::ALL.into_iter().zip([200, 150, 100]) {
         let s = m.paper(domain);
         assert_eq!((s.dim, s.len()), (dim, 2));
@@ -74,9 +64,10 @@ fn the_papers_descriptor_has_its_sizes_and_its_norm() {
 }
 
 /// A sphere with the same lopsided bump left and right, mirrored, and another one on top: what is
-/// most like a patch on the left one is its image on the right one.
+/// among the five patches most like one on the left is its image on the right (the first of them at 23
+/// of 30 places: the paper's signature is ruled by the shortest times).
 #[test]
-fn the_nearest_patch_is_the_twin() {
+fn the_twin_is_among_the_nearest_patches() {
     let (mut p, f) = sphere(5);
     for q in &mut p {
         let d = *q;
@@ -103,16 +94,17 @@ fn the_nearest_patch_is_the_twin() {
     assert!(targets.len() > 20);
     let shape = (p.clone(), f);
     let monitor = Monitor::silent();
-    let source = moments(&shape, TimeScale::Linear, &right, 0.25).late();
-    let target = moments(&shape, TimeScale::Linear, &targets, 0.25).late();
-    let index = Index::new(source, Scale::Spread, SEARCH_DIMENSIONS, &monitor).unwrap();
+    let source = moments(&shape, &right, 0.25).paper(Domain::Whole);
+    let target = moments(&shape, &targets, 0.25).paper(Domain::Whole);
+    let index = Index::new(source, SEARCH_DIMENSIONS, &monitor).unwrap();
     let found = index.nearest(&target, 5, &monitor).unwrap();
     let mut hits = 0;
     for (t, near) in targets.iter().zip(&found) {
         assert_eq!(near.len(), 5);
         assert!(near.is_sorted());
         let image = p[*t as usize] * DVec3::new(-1.0, 1.0, 1.0);
-        hits += usize::from(p[right[near[0].source as usize] as usize].distance(image) < 0.25);
+        let is_twin = |n: &Neighbour| p[right[n.source as usize] as usize].distance(image) < 0.25;
+        hits += usize::from(near.iter().any(is_twin));
     }
     assert!(hits * 10 >= targets.len() * 9, "{hits} of {}", targets.len());
 }

@@ -1,4 +1,4 @@
-use super::super::heat::{heat_times, Heat, TimeScale};
+use super::super::heat::{heat_times, Heat};
 use super::super::spectrum::Spectrum;
 use super::super::Spectral;
 use super::{area, both, potato, sphere, square, Shape};
@@ -58,12 +58,13 @@ fn vectors_are_orthonormal() {
 fn masses_times_signatures_sum_up_to_the_trace() {
     for shape in [potato(4), both(&potato(3), &square(5), DVec3::splat(4.0))] {
         let s = spectrum(&shape, 50);
-        for scale in [TimeScale::Linear, TimeScale::Logarithmic] {
-            let heat = Heat::new(&s, heat_times(&s, scale, 20));
-            for t in 0..20 {
-                let sum: f64 = (0..s.mass.len()).map(|v| s.mass[v] * heat.row(v)[t]).sum();
-                assert!((sum / heat.trace[t] - 1.0).abs() < 1e-9);
-            }
+        let heat = Heat::new(&s, heat_times(&s, 20));
+        for (t, time) in heat.times.iter().enumerate() {
+            let sum: f64 = (0..s.mass.len()).map(|v| s.mass[v] * heat.row(v)[t]).sum();
+            // The zeros, one a component, count 1.
+            let zeros = s.component_mass.len() as f64;
+            let trace = zeros + s.values.iter().map(|l| (-l * time).exp()).sum::<f64>();
+            assert!((sum / trace - 1.0).abs() < 1e-9);
         }
     }
 }
@@ -77,11 +78,11 @@ fn meshes_of_any_size_have_a_spectrum() {
     for (shape, values) in [(&triangle, 2), (&flat, 2), (&pair, 4), (&sphere(0), 5)] {
         let spectral = Spectral::new(&shape.0, &shape.1, &monitor).unwrap();
         assert_eq!(spectral.spectrum.values.len(), values);
-        let heat = spectral.heat(TimeScale::Logarithmic);
+        let heat = spectral.heat();
         assert!(heat.values.iter().all(|x| x.is_finite()));
     }
     let empty = Spectral::new(&[], &[], &monitor).unwrap();
-    assert!(empty.heat(TimeScale::Linear).values.is_empty());
+    assert!(empty.heat().values.is_empty());
     // More components than pairs.
     let p: Vec<DVec3> = (0..60)
         .map(|i| DVec3::new(f64::from(i / 3), f64::from(i % 3), 0.0) + DVec3::Z * f64::from(i % 2))
@@ -113,7 +114,7 @@ fn coarse_signatures_are_those_of_the_fine_mesh() {
     let total: f64 = spectral.spectrum.mass.iter().sum();
     assert!((total / area(&shape.0, &shape.1) - 1.0).abs() < 1e-9);
     let fine = spectrum(&shape, 60);
-    let times = heat_times(&fine, TimeScale::Logarithmic, 10);
+    let times = heat_times(&fine, 10);
     let exact = Heat::new(&fine, times.clone());
     let heat = Heat::new(&spectral.spectrum, times);
     let mut worst = 0.0f64;
