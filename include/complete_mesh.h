@@ -94,6 +94,9 @@ typedef enum complete_mesh_method {
   // Fragment-based inpainting (Bendels, Schnabel, Klein 2005): copies of fragments of the object, scale
   // by scale.
   COMPLETE_MESH_METHOD_FRAGMENT = 3,
+  // Completion for shape and appearance (Park, Guo, Shin, Qin 2006): the patch whose surroundings are the
+  // most similar is warped into the hole.
+  COMPLETE_MESH_METHOD_WARP = 4,
 } complete_mesh_method;
 
 // The smooth surface that a hole is filled with, or that its coherent fill starts from.
@@ -381,6 +384,15 @@ typedef struct complete_mesh_options {
   // How far the fill may stay off the points, 0 (it passes through them) to 1; 0.1 halves the height of
   // a bump over the whole hole. Default: 0.
   double softness;
+  // 1: each hole is filled with a part taken whole, with the source's own triangles: a missing hand, foot
+  // or spout, which no smooth surface comes near to. The part is what lies over the hole, at placement or
+  // at the first of the places found that has one. Default: 0.
+  uint32_t part;
+  // Vertices of rims where the fill need only be joined: neither tangents nor relief nor values go on
+  // from what lies beyond them. Yours; NULL if loose_count is 0. Default: NULL.
+  const uint32_t *loose_vertices;
+  // How many there are. Default: 0.
+  size_t loose_count;
 } complete_mesh_options;
 
 // One hole. Lengths and positions are in mesh units. Edges of a cloud's hole are those between the

@@ -237,6 +237,7 @@ fn method_number(method: Method) -> u32 {
         Method::Coherent => CMethod::Coherent as u32,
         Method::Harary => CMethod::Harary as u32,
         Method::Fragment => CMethod::Fragment as u32,
+        Method::Warp => CMethod::Warp as u32,
     }
 }
 

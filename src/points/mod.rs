@@ -124,6 +124,12 @@ pub(crate) fn check_options(options: &Options) -> Result<()> {
     if options.sources.faces.is_some() {
         return bad("sources", "a point cloud has no faces to choose");
     }
+    if options.guidance.part {
+        return bad("part", "a part is made of triangles, which a point cloud has none of");
+    }
+    if !options.guidance.loose.is_empty() {
+        return bad("loose", "a point cloud has no rims of its own to name vertices of");
+    }
     if options.initial.is_some() {
         return bad("initial", "a point cloud takes no completion to start from");
     }

@@ -158,7 +158,7 @@ void test_enums(void) {
   const complete_mesh_status range = COMPLETE_MESH_STATUS_INVALID_OPTION;
   complete_mesh_options opts;
   REFUSED(vertex_type, COMPLETE_MESH_VERTEX_TYPE_F64 + 1);
-  REFUSED(method, COMPLETE_MESH_METHOD_FRAGMENT + 1);
+  REFUSED(method, COMPLETE_MESH_METHOD_WARP + 1);
   REFUSED(fairing, COMPLETE_MESH_FAIRING_SMOOTHED_PLATE + 1);
   REFUSED(sizing, COMPLETE_MESH_SIZING_NONE + 1);
   REFUSED(grouping, COMPLETE_MESH_GROUPING_JOIN + 1);

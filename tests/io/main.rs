@@ -27,6 +27,8 @@ pub fn floor() -> Completion {
         faces: vec![[1, 0, 5], [2, 1, 5], [3, 2, 5], [0, 3, 5]],
         vertex_hole: vec![7],
         origins: vec![Origin {
+            colour_origins: Vec::new(),
+            loose: Default::default(),
             face: 2,
             barycentric: [0.25, 0.5, 0.25],
             source: 1,

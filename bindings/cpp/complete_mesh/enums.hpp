@@ -30,7 +30,8 @@ enum class Method : std::uint32_t {
   smooth = COMPLETE_MESH_METHOD_SMOOTH,
   coherent = COMPLETE_MESH_METHOD_COHERENT,
   harary = COMPLETE_MESH_METHOD_HARARY,
-  fragment = COMPLETE_MESH_METHOD_FRAGMENT
+  fragment = COMPLETE_MESH_METHOD_FRAGMENT,
+  warp = COMPLETE_MESH_METHOD_WARP
 };
 
 enum class Fairing : std::uint32_t {

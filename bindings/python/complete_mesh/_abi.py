@@ -13,7 +13,7 @@ F32, F64 = 0, 1
 OUTPUT_NEW_ONLY = 1
 VERTEX, EDGE, FACE, HOLE = 0, 1, 2, 3
 
-METHODS = ("smooth", "coherent", "harary", "fragment")
+METHODS = ("smooth", "coherent", "harary", "fragment", "warp")
 FAIRINGS = ("auto", "none", "c0", "c1", "c2", "least_squares", "smoothed_plate")
 SIZINGS = ("surroundings", "scaled", "edge_length", "none")
 GROUPINGS = ("automatic", "separate", "join")
@@ -85,6 +85,9 @@ class Options(c.Structure):
         ("constraint_points", c_void_p),
         ("constraint_count", c_size_t),
         ("softness", c_double),
+        ("part", c_uint32),
+        ("loose_vertices", c_void_p),
+        ("loose_count", c_size_t),
     ]
 
 

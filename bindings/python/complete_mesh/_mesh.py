@@ -50,6 +50,8 @@ def complete_mesh(
     exemplar_parts: Optional[Sequence[int]] = None,
     constraint_points: Optional[ArrayLike] = None,
     softness: float = 0.0,
+    part: bool = False,
+    loose_vertices: Optional[ArrayLike] = None,
     threads: int = 0,
     output: str = "whole_mesh",
     progress: Optional[Progress] = None,
@@ -65,7 +67,8 @@ def complete_mesh(
         faces: (m, 3) vertex indices, integers, counter-clockwise seen from outside.
         method: "coherent" continues what the object shows, or is smooth where nothing serves;
             "smooth" is always smooth; "harary" is the paper's method as written, slow;
-            "fragment" copies fragments of the object (Bendels et al. 2005).
+            "fragment" copies fragments of the object (Bendels et al. 2005); "warp" warps the most
+            similar patch into the hole (Park et al. 2006).
         fairing: the smooth surface to start from: "auto", "none", "c0", "c1", "c2",
             "least_squares" or "smoothed_plate".
         sizing: the edge length that new triangles aim for: "surroundings", "scaled" (that times
@@ -110,6 +113,11 @@ def complete_mesh(
             that is farther from its hole's middle than the hole's diameter is refused.
         softness: how far fills may stay off the points, 0 to 1; 0.1 halves the height of a bump over
             the whole hole.
+        part: fill each hole with a part taken whole, with the source's own triangles: a missing hand,
+            foot or spout. It is what lies over the hole at `placement`, or at the first of the places
+            found that has one.
+        loose_vertices: vertices of rims where the fill need only be joined: neither tangents nor relief
+            nor values go on from what lies beyond them.
         threads: worker threads, 0 for as many as there are cores. The result does not depend on it.
         output: "whole_mesh", or "new_only" for a result without `vertices` and `faces`.
         progress: called as ``progress(fraction, stage)`` with 0 to 1 and a word or two, on the
@@ -236,6 +244,8 @@ class Completer:
         exemplar_parts: Optional[Sequence[int]] = None,
         constraint_points: Optional[ArrayLike] = None,
         softness: float = 0.0,
+        part: bool = False,
+        loose_vertices: Optional[ArrayLike] = None,
         threads: int = 0,
         output: str = "whole_mesh",
         progress: Optional[Progress] = None,
