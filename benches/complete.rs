@@ -7,10 +7,11 @@
 
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
 use complete_mesh::{
-    complete_mesh_with, find_holes, Grouping, HoleStatus, Method, Monitor, Options,
+    complete_mesh_with, find_holes, Appearance, Grouping, HoleStatus, Method, Monitor, Options,
 };
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// A disc with sharp features around it, a smooth one, a missing band, five discs in one mesh.
@@ -57,6 +58,35 @@ fn fill(c: &mut Criterion) {
     group.finish();
 }
 
+/// Shape and appearance at the sizes of Park et al. (2006): 40,000 and 145,000 points, one hole and five.
+fn appearance(c: &mut Criterion) {
+    let mut group = c.benchmark_group("appearance");
+    group.sample_size(10).measurement_time(Duration::from_secs(8));
+    for (kind, resolution) in [(Break::Disc, 200), (Break::Several, 385)] {
+        let mesh = broken(Sample::Vessel, kind, resolution);
+        let paint = Sample::Vessel.paint(&mesh.vertices).expect("the vessel is painted");
+        let values = paint.iter().flat_map(|c| c[..3].iter().map(|&x| f64::from(x))).collect();
+        let colours = Appearance { channels: 3, steering: 3, values, exemplar_values: Vec::new() };
+        let (colours, size) = (Arc::new(colours), mesh.vertices.len());
+        for method in [Method::Coherent, Method::Warp] {
+            for painted in [false, true] {
+                let appearance = painted.then(|| colours.clone());
+                let options = Options { threads: 1, method, appearance, ..Options::default() };
+                let run = || {
+                    let made = complete_mesh_with(mesh.view(), &options, &Monitor::silent())?;
+                    let values = options.appearance.as_ref();
+                    let values = values.map(|a| a.complete(mesh.view().faces, None, &made));
+                    Ok::<_, complete_mesh::Error>((made, values))
+                };
+                let with = if painted { "with colours" } else { "without" };
+                let name = format!("{} {} {with}", method.name(), kind.name());
+                group.bench_function(BenchmarkId::new(name, size), |b| b.iter(run));
+            }
+        }
+    }
+    group.finish();
+}
+
 fn search(c: &mut Criterion) {
     let mut group = c.benchmark_group("find_holes");
     group.sample_size(20).measurement_time(Duration::from_secs(4));
@@ -68,5 +98,5 @@ fn search(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, fill, search);
+criterion_group!(benches, fill, appearance, search);
 criterion_main!(benches);

@@ -94,6 +94,9 @@ typedef enum complete_mesh_method {
   // Fragment-based inpainting (Bendels, Schnabel, Klein 2005): copies of fragments of the object, scale
   // by scale.
   COMPLETE_MESH_METHOD_FRAGMENT = 3,
+  // Completion for shape and appearance (Park, Guo, Shin, Qin 2006): the patch whose surroundings are the
+  // most similar is warped into the hole.
+  COMPLETE_MESH_METHOD_WARP = 4,
 } complete_mesh_method;
 
 // The smooth surface that a hole is filled with, or that its coherent fill starts from.
@@ -191,6 +194,25 @@ typedef enum complete_mesh_hole_status {
   COMPLETE_MESH_HOLE_STATUS_FAILED = 4,
 } complete_mesh_hole_status;
 
+// What finds the holes of a cloud: one bit each, to be added up.
+typedef enum complete_mesh_detector {
+  // The mesh that is laid through the points has a rim there. It is always asked, and finds all holes
+  // that are listed.
+  COMPLETE_MESH_DETECTOR_SURFACE = 1,
+  // Points that are likely to lie on a boundary close a loop there (Bendels et al. 2005).
+  COMPLETE_MESH_DETECTOR_BOUNDARY = 2,
+} complete_mesh_detector;
+
+// Why points of a cloud were not looked at. They stay where they are.
+typedef enum complete_mesh_ignored {
+  // They have no coordinates: three NaN.
+  COMPLETE_MESH_IGNORED_MISSING = 0,
+  // They are at the place of an earlier point, or within a quarter of the spacing of it.
+  COMPLETE_MESH_IGNORED_DUPLICATE = 1,
+  // They lie beside the surface.
+  COMPLETE_MESH_IGNORED_OUTLIER = 2,
+} complete_mesh_ignored;
+
 // The kinds of elements that an error or a hole's problem can name.
 typedef enum complete_mesh_element_kind {
   // Indices of input vertices, one number each.
@@ -203,7 +225,7 @@ typedef enum complete_mesh_element_kind {
   COMPLETE_MESH_ELEMENT_KIND_HOLE = 3,
 } complete_mesh_element_kind;
 
-// The holes of a mesh and everything odd that was found at its boundary. Opaque; read by the
+// The holes of a mesh or a cloud and everything odd that was found there. Opaque; read by the
 // functions complete_mesh_holes_..., from any number of threads.
 typedef struct complete_mesh_holes complete_mesh_holes;
 
@@ -362,6 +384,15 @@ typedef struct complete_mesh_options {
   // How far the fill may stay off the points, 0 (it passes through them) to 1; 0.1 halves the height of
   // a bump over the whole hole. Default: 0.
   double softness;
+  // 1: each hole is filled with a part taken whole, with the source's own triangles: a missing hand, foot
+  // or spout, which no smooth surface comes near to. The part is what lies over the hole, at placement or
+  // at the first of the places found that has one. Default: 0.
+  uint32_t part;
+  // Vertices of rims where the fill need only be joined: neither tangents nor relief nor values go on
+  // from what lies beyond them. Yours; NULL if loose_count is 0. Default: NULL.
+  const uint32_t *loose_vertices;
+  // How many there are. Default: 0.
+  size_t loose_count;
   // 1: complete_mesh_points completes a cleaned copy of the cloud: points beside the surface and
   // doubles are left out, noise is smoothed; see complete_mesh_result_cleaned_points. The input stays
   // what it is. Refused for a mesh. Default: 0.
@@ -371,7 +402,8 @@ typedef struct complete_mesh_options {
   uint32_t clean_rounds;
 } complete_mesh_options;
 
-// One hole. Lengths and positions are in mesh units.
+// One hole. Lengths and positions are in mesh units. Edges of a cloud's hole are those between the
+// points of its rim.
 typedef struct complete_mesh_hole {
   // How many bytes of the struct the library has written: at most what was asked for.
   uint32_t struct_size;
@@ -421,8 +453,18 @@ typedef struct complete_mesh_hole {
   double coherence_error_after;
   // How many candidates the hole has, if one was asked for by the option candidate; else 0.
   uint32_t candidate_count;
-  // 0, for a later version.
-  uint32_t reserved;
+  // 1: the outer border of an open cloud, which is filled only if it is named. Else 0.
+  uint32_t is_border;
+  // Which detectors were asked for the holes of a cloud, complete_mesh_detector added up:
+  // complete_mesh_find_point_holes asks all, a completion asks one. 0 for a mesh.
+  uint32_t detectors_asked;
+  // Which of them find this hole. One that not all agree on may be a sparse place.
+  uint32_t detectors_agreed;
+  // Of a cloud: the mean probability, 0 to 1, that the points of the rim lie on a boundary (Bendels et
+  // al. 2005); from 0.4 a rim is plain to see. NaN for a mesh.
+  double boundary_probability;
+  // Of a cloud: an estimate of how many points are missing. NaN for a mesh.
+  double missing_points;
 } complete_mesh_hole;
 
 // A place on the object that a hole's fill was continued from. Lengths are in mesh units.
@@ -475,27 +517,6 @@ enum complete_mesh_status complete_mesh(const void *vertices,
                                         size_t face_count,
                                         const struct complete_mesh_options *opts,
                                         struct complete_mesh_result **result);
-
-// Fills the holes of a point cloud with new points. Outer borders of open surfaces stay open unless
-// they are selected by id, point or vertices. The input is only read, and only while the call lasts.
-//
-// points: positions, three numbers each; float unless vertex_type of the options says double.
-// Three NaN are a point without coordinates, which is passed through. NULL if point_count is 0.
-// point_count: how many points.
-// normals: packed, of the number type of the points, any length, zero where unknown: which side is
-// out; NULL: guessed.
-// opts: as for complete_mesh, vertices being points; source_faces and the initial completion must
-// not be set. NULL for the defaults.
-// result: receives the new result, whose vertices are the points and which has no faces, to be
-// freed with complete_mesh_result_free; NULL on failure.
-//
-// Returns COMPLETE_MESH_STATUS_OK, also for a cloud without holes, or what was wrong. May be called
-// by any number of threads at once.
-enum complete_mesh_status complete_mesh_points(const void *points,
-                                               size_t point_count,
-                                               const void *normals,
-                                               const struct complete_mesh_options *opts,
-                                               struct complete_mesh_result **result);
 
 // Finds and measures the holes of a mesh and fills nothing.
 //
@@ -665,8 +686,8 @@ const uint32_t *complete_mesh_holes_degenerate_faces(const struct complete_mesh_
 const uint32_t *complete_mesh_holes_duplicate_vertices(const struct complete_mesh_holes *holes,
                                                        size_t *count);
 
-// Frees what complete_mesh_find_holes gave; NULL is allowed. Not for the holes of a result or a
-// completer, which free their own: those are const.
+// Frees what complete_mesh_find_holes or complete_mesh_find_point_holes gave; NULL is allowed. Not for
+// the holes of a result or a completer, which free their own: those are const.
 void complete_mesh_holes_free(struct complete_mesh_holes *holes);
 
 // Sets an options struct to the defaults.
@@ -679,6 +700,59 @@ void complete_mesh_holes_free(struct complete_mesh_holes *holes);
 // that cannot be; then nothing is written.
 enum complete_mesh_status complete_mesh_options_init(struct complete_mesh_options *opts,
                                                      size_t struct_size);
+
+// Fills the holes of a point cloud with new points. Outer borders of open surfaces stay open unless
+// they are selected by id, point or vertices. The input is only read, and only while the call lasts.
+//
+// points: positions, three numbers each; float unless vertex_type of the options says double.
+// Three NaN are a point without coordinates, which is passed through. NULL if point_count is 0.
+// point_count: how many points.
+// normals: packed, of the number type of the points, any length, zero where unknown: which side is
+// out; NULL: guessed.
+// opts: as for complete_mesh, vertices being points; source_faces and the initial completion must
+// not be set. NULL for the defaults.
+// result: receives the new result, whose vertices are the points and which has no faces, to be
+// freed with complete_mesh_result_free; NULL on failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK, also for a cloud without holes, or what was wrong. May be called
+// by any number of threads at once.
+enum complete_mesh_status complete_mesh_points(const void *points,
+                                               size_t point_count,
+                                               const void *normals,
+                                               const struct complete_mesh_options *opts,
+                                               struct complete_mesh_result **result);
+
+// Finds and measures the holes of a point cloud and fills nothing. More detectors are asked than for a
+// completion: detectors_agreed of a complete_mesh_hole says which of them find it.
+//
+// points, point_count, normals: as for complete_mesh_points.
+// opts: vertex_type, vertex_stride, grouping, selection, threads and progress count, but all are
+// checked; NULL for the defaults. Holes outside the selection, and outer borders that are not named,
+// are listed as COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED.
+// holes: receives the new list, whose vertices are points, to be freed with complete_mesh_holes_free;
+// NULL on failure.
+//
+// Returns COMPLETE_MESH_STATUS_OK or what was wrong. May be called by any number of threads at
+// once.
+enum complete_mesh_status complete_mesh_find_point_holes(const void *points,
+                                                         size_t point_count,
+                                                         const void *normals,
+                                                         const struct complete_mesh_options *opts,
+                                                         struct complete_mesh_holes **holes);
+
+// How far apart the points of a cloud lie: the middle one of the distances to the sixth neighbour. 0
+// for a mesh.
+double complete_mesh_holes_spacing(const struct complete_mesh_holes *holes);
+
+// Points of a cloud that were not looked at.
+//
+// kind: why, a complete_mesh_ignored.
+// count: receives how many points there are; NULL is allowed.
+//
+// Returns indices of input points, NULL if there are none. The array belongs to holes.
+const uint32_t *complete_mesh_holes_ignored_points(const struct complete_mesh_holes *holes,
+                                                   uint32_t kind,
+                                                   size_t *count);
 
 // The number type of the result's vertices, a complete_mesh_vertex_type: that of the input.
 uint32_t complete_mesh_result_vertex_type(const struct complete_mesh_result *result);

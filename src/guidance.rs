@@ -11,8 +11,8 @@ use std::sync::Arc;
 /// Scales beyond these are taken for a mistake: a copy a thousandth as large has no detail left.
 const SCALES: [f64; 2] = [1e-3, 1e3];
 
-/// Guidance by hand; by default there is none. Only [`Method::Coherent`] can be guided, but for the points,
-/// which [`Method::Smooth`] takes, too.
+/// Guidance by hand; by default there is none. Only [`Method::Coherent`] can be guided, and [`Method::Warp`] but
+/// for the scales; [`Method::Smooth`] takes the points, too.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Guidance {
     /// The one place to copy from; `None`: places are searched for.
@@ -28,6 +28,14 @@ pub struct Guidance {
     /// the nearest hole that is filled; one farther from its middle than its diameter is refused. They move
     /// the fill, smooth or coherent, by a thin plate that ends at the rim.
     pub points: Arc<[[f64; 3]]>,
+    /// Fill each hole with a part taken whole, with the source's own triangles: a missing hand, foot or spout,
+    /// which no smooth surface comes near to. The part is what lies over the hole, at the placement or at the
+    /// first of the places found that has one. Give both ends of a missing band as one hole.
+    pub part: bool,
+    /// Vertices of rims where the fill need only be joined: neither tangents nor relief nor colours go on from what
+    /// lies beyond them, which says nothing of the fill. For an edge that was sharp, or a part of another
+    /// material.
+    pub loose: Arc<[u32]>,
     /// How far the fill may stay off the points, 0 (it passes through them) to 1: 0.1 halves the height
     /// of a bump over the whole hole.
     pub softness: f64,
@@ -54,16 +62,29 @@ impl Guidance {
     /// Checks every range.
     pub(crate) fn check(&self, method: Method) -> Result<()> {
         let bad = |name, reason: String| Err(Error::InvalidOption { name, reason });
-        let Self { placement, candidate, scales, points, softness } = self;
+        let Self { placement, candidate, scales, points, part, loose, softness } = self;
         let given = [
             ("placement", placement.is_some()),
             ("candidate", *candidate > 0),
             ("scales", scales.is_some()),
+            ("part", *part),
         ];
-        if let Some((name, _)) = given.iter().find(|g| g.1).filter(|_| method != Method::Coherent) {
+        let heeds = |name: &str| match method {
+            Method::Coherent => true,
+            Method::Warp => name != "scales" && name != "part",
+            _ => false,
+        };
+        if let Some((name, _)) = given.iter().find(|g| g.1 && !heeds(g.0)) {
             return bad(name, format!("the method {} cannot be guided", method.name()));
         }
-        if !points.is_empty() && !matches!(method, Method::Coherent | Method::Smooth) {
+        if !loose.is_empty() && (*part || matches!(method, Method::Harary | Method::Fragment)) {
+            let by = if *part { "a part".into() } else { format!("the method {}", method.name()) };
+            return bad("loose", format!("{by} heeds none"));
+        }
+        if *part && !points.is_empty() {
+            return bad("points", "a part is taken as it is".into());
+        }
+        if !points.is_empty() && matches!(method, Method::Harary | Method::Fragment) {
             return bad("points", format!("the method {} takes none", method.name()));
         }
         if let Some(i) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
@@ -72,7 +93,7 @@ impl Guidance {
         if !(0.0..=1.0).contains(softness) {
             return bad("softness", format!("{softness} is outside 0 to 1"));
         }
-        if let (Some(_), Some((name, _))) = (placement, given[1..].iter().find(|g| g.1)) {
+        if let (Some(_), Some((name, _))) = (placement, given[1..3].iter().find(|g| g.1)) {
             return bad(name, "a placement is the only copy and has its own scale".into());
         }
         if let Some([least, most]) = *scales {

@@ -21,6 +21,9 @@ pub enum Method {
     /// Fragment-based inpainting (Bendels, Schnabel, Klein 2005): copies of fragments of the object,
     /// scale by scale. See `docs/fragment.md`.
     Fragment,
+    /// Completion for shape and appearance (Park, Guo, Shin, Qin 2006): the patch whose surroundings are the
+    /// most similar is warped into the hole. See `docs/warp.md`.
+    Warp,
 }
 
 impl Method {
@@ -31,6 +34,7 @@ impl Method {
             Method::Coherent => "coherent",
             Method::Harary => "harary",
             Method::Fragment => "fragment",
+            Method::Warp => "warp",
         }
     }
 }
@@ -343,12 +347,14 @@ pub struct Options {
     /// What holes are filled with to start from; `None`: a smooth completion is made. A hole that it
     /// does not fill, as the contract asks, fails. With `Method::Smooth` it is the result.
     pub initial: Option<Arc<Initial>>,
-    /// What may be copied from. Only `Method::Coherent` can be told; `Method::Fragment` heeds
-    /// `unmirrored`.
+    /// What may be copied from. Only `Method::Coherent` and `Method::Warp` can be told; `Method::Fragment`
+    /// heeds `unmirrored`.
     pub sources: Sources,
-    /// Where to copy from, given by hand. Only `Method::Coherent` can be told.
+    /// Where to copy from, given by hand. Only `Method::Coherent` and, but for `scales`, `Method::Warp` can be
+    /// told.
     pub guidance: Guidance,
-    /// What the vertices carry; its first channels help `Method::Coherent` to find the sources.
+    /// What the vertices carry; its first channels help `Method::Coherent` and `Method::Warp` to find the
+    /// sources.
     pub appearance: Option<Arc<Appearance>>,
     /// Of a point cloud: complete a cleaned copy of it; `None`: the points as they are. A mesh is refused.
     pub clean: Option<Cleaning>,
@@ -394,6 +400,12 @@ impl Options {
             return bad("sources", "the method harary copies from the whole mesh".into());
         }
         self.guidance.check(self.method)?;
+        if self.guidance.part && self.initial.is_some() {
+            return bad(
+                "part",
+                "an initial completion has its own faces: leave one of the two".into(),
+            );
+        }
         let Sources { faces, exemplar, .. } = &self.sources;
         if self.method == Method::Fragment && (faces.is_some() || exemplar.is_some()) {
             return bad("sources", "the method fragment copies from the whole mesh".into());

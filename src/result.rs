@@ -4,6 +4,7 @@ use crate::error::{Error, Problem};
 use crate::matching::rigid::Rigid;
 use crate::options::{Fairing, Method};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// "No such": of a face or a source in an [`Origin`].
 pub const NONE: u32 = u32::MAX;
@@ -55,6 +56,8 @@ pub struct SourceReport {
     pub weight: f64,
     /// New vertices whose detail comes from here.
     pub vertices: usize,
+    /// New vertices whose colours and other values come from here and their shape from elsewhere.
+    pub coloured: usize,
 }
 
 /// Where a copy lies at a vertex that it did not give, but beside one that it did: on the rim, or across
@@ -152,6 +155,12 @@ pub struct Completion {
     pub vertex_hole: Vec<u32>,
     /// For each new vertex where it comes from.
     pub origins: Vec<Origin>,
+    /// For each new vertex where its colours and other values come from, if for some that is another place
+    /// than where its shape does; else empty. See [`Completion::colours_from`].
+    pub colour_origins: Vec<Origin>,
+    /// Rim vertices that fills were only joined at, as they were given ([`crate::Guidance::loose`]): values do
+    /// not go on from them.
+    pub loose: Arc<[u32]>,
     /// For each new face the id of its hole.
     pub face_hole: Vec<u32>,
     /// One report for each hole of the mesh, by id.
@@ -163,6 +172,14 @@ pub struct Completion {
 }
 
 impl Completion {
+    /// For each new vertex where its colours and other values come from.
+    pub fn colours_from(&self) -> &[Origin] {
+        match self.colour_origins.len() == self.origins.len() {
+            true => &self.colour_origins,
+            false => &self.origins,
+        }
+    }
+
     /// The whole mesh, the input first, bit for bit.
     pub fn to_mesh_f64(
         &self,

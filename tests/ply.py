@@ -4,6 +4,8 @@
                                   that depend on where it is, or on its colour if it had one; the normal
                                   is not the surface's
     ply.py plain IN OUT           positions and faces alone
+    ply.py points IN OUT          the same file without its faces
+    ply.py scaled IN OUT F        positions times F and faces alone
     ply.py texture IN OUT         an OBJ of it with texture coordinates around the y axis in two charts,
                                   one above the other, each of which meets itself
     ply.py compare A B [OLD]      positions to the bit, faces up to which corner is first, and, where
@@ -12,7 +14,7 @@
                                   first, in order, and colours if OLD has some
     ply.py carried A OLD          qualities and normals of OLD are A's, to the bit; new qualities are
                                   between those of OLD, new normals have length 1
-    ply.py normals A B            normals agree in their directions, within 0.001
+    ply.py normals A B [T]        normals agree in their directions, within T, 0.001 by default
     ply.py colouring KIND A P OLD colours of A's new vertices are those of its kind (provenance,
                                   confidence) by the provenance in P, a file of the command line
 """
@@ -110,14 +112,23 @@ def colour(path, out):
             f.write(struct.pack("<B3i", 3, *face))
 
 
-def plain(path, out):
+def points(path, out):
+    data = open(path, "rb").read()
+    head, body = data[: data.index(b"end_header\n")], data[data.index(b"end_header\n") + 11 :]
+    kept = head[: head.index(b"element face")]
+    sizes = [struct.calcsize(TYPES[w[1]]) for w in map(str.split, kept.decode().split("\n")) if w[:1] == ["property"]]
+    with open(out, "wb") as f:
+        f.write(kept + b"end_header\n" + body[: len(Mesh(path).points) * sum(sizes)])
+
+
+def plain(path, out, factor="1"):
     mesh = Mesh(path)
     with open(out, "wb") as f:
         f.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(mesh.points))
         f.write(b"".join(b"property float %c\n" % c for c in b"xyz"))
         f.write(b"element face %d\nproperty list uchar int vertex_indices\nend_header\n"
                 % len(mesh.faces))
-        f.write(b"".join(bits(p) for p in mesh.points))
+        f.write(b"".join(bits([float(factor) * x for x in p]) for p in mesh.points))
         f.write(b"".join(struct.pack("<B3i", 3, *face) for face in mesh.faces))
 
 
@@ -163,7 +174,8 @@ def compare(path_a, path_b, old_path=None):
     if old_path:
         old = Mesh(old_path)
         n, m = len(old.points), len(old.faces)
-        assert n < len(a.points) and m < len(a.faces), "nothing is new"
+        # A cloud gets points alone.
+        assert n < len(a.points) and m < len(a.faces) + (m == 0), "nothing is new"
         assert list(map(bits, old.points)) == list(map(bits, a.points[:n]))
         assert list(map(turned, old.faces)) == list(map(turned, a.faces[:m]))
         if old.colours:
@@ -194,14 +206,14 @@ def carried(path, old_path):
             assert v < n or sum(x * y for x, y in zip(normals[v], face_normal)) > 0, v
 
 
-def normals(path_a, path_b):
+def normals(path_a, path_b, tolerance="0.001"):
     def directions(mesh):
         rows = zip(*(mesh.columns[k] for k in ("nx", "ny", "nz")))
         return [[x / sum(y * y for y in n) ** 0.5 for x in n] for n in rows]
 
     a, b = directions(Mesh(path_a)), directions(Mesh(path_b))
     assert len(a) == len(b)
-    wrong = [i for i, (m, n) in enumerate(zip(a, b)) if max(abs(x - y) for x, y in zip(m, n)) > 1e-3]
+    wrong = [i for i, (m, n) in enumerate(zip(a, b)) if max(abs(x - y) for x, y in zip(m, n)) > float(tolerance)]
     assert not wrong, f"{len(wrong)} normals differ, the first is vertex {wrong[0]}: " \
         f"{a[wrong[0]]} and {b[wrong[0]]}"
 
@@ -219,7 +231,8 @@ def colouring(kind, path, provenance_path, old_path):
     checked, n = 0, len(old.points)
     places = set()
     for i in range(n, len(a.points)):
-        face, source = p.columns["source_face"][i], p.columns["source"][i]
+        face = p.columns.get("source_face", p.columns.get("source_point"))[i]
+        source = p.columns["source"][i]
         if kind == "confidence":
             expected = ramp(p.columns["confidence"][i])
         elif source < 0:
@@ -227,7 +240,7 @@ def colouring(kind, path, provenance_path, old_path):
         else:
             expected = PALETTE[source % len(PALETTE)]  # one hole
             if face >= 0:
-                places.update(old.faces[face])
+                places.update(old.faces[face] if old.faces else [face])
         checked += 1
         assert max(abs(x - y) for x, y in zip(a.colours[i], expected)) <= 1.01, \
             f"vertex {i} has {a.colours[i]} and should have {expected}"
@@ -241,6 +254,7 @@ def colouring(kind, path, provenance_path, old_path):
 
 
 if __name__ == "__main__":
-    commands = {"colour": colour, "plain": plain, "texture": texture, "compare": compare, "carried": carried,
+    commands = {"colour": colour, "plain": plain, "points": points,
+                "scaled": plain, "texture": texture, "compare": compare, "carried": carried,
                 "normals": normals, "colouring": colouring}
     commands[sys.argv[1]](*sys.argv[2:])

@@ -32,6 +32,14 @@
 
 namespace mesh_completion {
 
+namespace detail {
+inline Holes owned(complete_mesh_holes* holes) {
+  return Holes(std::shared_ptr<const complete_mesh_holes>(holes, [](const complete_mesh_holes* h) {
+    complete_mesh_holes_free(const_cast<complete_mesh_holes*>(h));
+  }));
+}
+}  // namespace detail
+
 // Fills the holes of a mesh.
 template <class Scalar>
 Outcome<Result<Scalar>> try_complete(const MeshView<Scalar>& mesh, const Options& options = {}) {
@@ -68,9 +76,21 @@ Outcome<Holes> try_list_holes(const MeshView<Scalar>& mesh, const Options& optio
   const complete_mesh_status status = complete_mesh_find_holes(
       mesh.vertices, mesh.vertex_count, mesh.faces, mesh.face_count, call.options(), &holes);
   if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
-  return Holes(std::shared_ptr<const complete_mesh_holes>(holes, [](const complete_mesh_holes* h) {
-    complete_mesh_holes_free(const_cast<complete_mesh_holes*>(h));
-  }));
+  return detail::owned(holes);
+}
+
+// Finds and measures the holes of a point cloud and fills nothing: complete_mesh_find_point_holes. The
+// view's faces are not used. normals: as many as points, packed, or nullptr.
+template <class Scalar>
+Outcome<Holes> try_list_point_holes(const MeshView<Scalar>& cloud, const Scalar* normals = nullptr,
+                                    const Options& options = {}) {
+  detail::Call call(options, cloud);
+  if (call.refused()) return *call.refused();
+  complete_mesh_holes* holes = nullptr;
+  const complete_mesh_status status = complete_mesh_find_point_holes(
+      cloud.vertices, cloud.vertex_count, normals, call.options(), &holes);
+  if (status != COMPLETE_MESH_STATUS_OK) return call.failure(status);
+  return detail::owned(holes);
 }
 
 // A mesh whose holes are known, for filling them more than once. It borrows the arrays of the
@@ -157,6 +177,12 @@ Result<Scalar> complete_points(const MeshView<Scalar>& cloud, const Scalar* norm
 template <class Scalar>
 Holes list_holes(const MeshView<Scalar>& mesh, const Options& options = {}) {
   return try_list_holes(mesh, options).take();
+}
+
+template <class Scalar>
+Holes list_point_holes(const MeshView<Scalar>& cloud, const Scalar* normals = nullptr,
+                       const Options& options = {}) {
+  return try_list_point_holes(cloud, normals, options).take();
 }
 #endif
 

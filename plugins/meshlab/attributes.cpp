@@ -53,28 +53,69 @@ unsigned char byte(double value) {
   return static_cast<unsigned char>(std::lround(std::min(std::max(value, 0.0), 255.0)));
 }
 
-// Which values a layer gives: red, green, blue and alpha, and quality.
-struct Given {
-  bool color, quality;
-  Given(const MeshModel& model, Coloring coloring)
-      : color(coloring != Coloring::rim && model.hasDataMask(MeshModel::MM_VERTCOLOR)),
-        quality(model.hasDataMask(MeshModel::MM_VERTQUALITY)) {}
-};
+// Sources are numbered hole by hole, so that neighbours in the list differ.
+void color_provenance(CMeshO& mesh, const mc::Result<Scalarm>& result, const Places& places) {
+  std::vector<std::size_t> first;
+  std::size_t count = 0;
+  for (const mc::Hole& hole : result.holes()) {
+    first.push_back(count);
+    count += hole.source_count;
+  }
+  for (std::size_t i = 0; i < result.new_vertices().size(); ++i) {
+    CVertexO& vertex = mesh.vert[result.input_vertex_count() + i];
+    const std::uint32_t source = result.new_vertex_sources()[i];
+    vertex.C() = no_source;
+    if (source == mc::none) continue;
+    vertex.C() = palette[(first[result.new_vertex_holes()[i]] + source) % palette_size];
+    for (const std::uint32_t v : places(i)) mesh.vert[v].C() = vertex.C();
+  }
+}
 
 }  // namespace
 
-void give_values(const MeshModel& model, Coloring coloring, mc::Options& options) {
-  const Given given(model, coloring);
-  options.value_channels = (given.color ? 4 : 0) + (given.quality ? 1 : 0);
-  options.steering_channels = given.color ? 3 : 0;
-  if (!options.value_channels) return;
-  for (const CVertexO& vertex : model.cm.vert) {
-    const vcg::Color4b color = vertex.cC();
-    for (int k = 0; given.color && k < 4; ++k) options.vertex_values.push_back(color[k]);
-    // A quality that is no number is none.
-    const double quality = double(vertex.cQ());
-    if (given.quality) options.vertex_values.push_back(std::isfinite(quality) ? quality : 0);
+Carried::Carried(const MeshModel& model, const MeshModel* source, Coloring coloring) {
+  const auto has = [&](int mask) {
+    return model.hasDataMask(mask) && (!source || source->hasDataMask(mask));
+  };
+  color = coloring != Coloring::rim && has(MeshModel::MM_VERTCOLOR);
+  quality = has(MeshModel::MM_VERTQUALITY);
+}
+
+void Carried::append(const CVertexO& vertex, std::vector<double>& values) const {
+  const vcg::Color4b c = vertex.cC();
+  for (int k = 0; color && k < 4; ++k) values.push_back(c[k]);
+  // A quality that is no number is none.
+  const double q = double(vertex.cQ());
+  if (quality) values.push_back(std::isfinite(q) ? q : 0);
+}
+
+void Carried::give(const CMeshO& mesh, mc::Options& options) const {
+  options.value_channels = (color ? 4 : 0) + (quality ? 1 : 0);
+  options.steering_channels = color ? 3 : 0;
+  for (const CVertexO& vertex : mesh.vert) append(vertex, options.vertex_values);
+}
+
+void Carried::take(CMeshO& mesh, const mc::Result<Scalarm>& result) const {
+  const auto values = result.new_vertex_values();
+  const double* value = values.begin();
+  for (std::size_t v = result.input_vertex_count(); v < mesh.vert.size() && value; ++v) {
+    CVertexO& vertex = mesh.vert[v];
+    for (int k = 0; color && k < 4; ++k) vertex.C()[k] = byte(*value++);
+    if (quality) vertex.Q() = Scalarm(*value++);
   }
+}
+
+void color_by_result(MeshModel& model, const mc::Result<Scalarm>& result, Coloring coloring,
+                     const Places& places) {
+  CMeshO& mesh = model.cm;
+  if (coloring != Coloring::provenance && coloring != Coloring::confidence) return;
+  if (!model.hasDataMask(MeshModel::MM_VERTCOLOR)) {
+    model.updateDataMask(MeshModel::MM_VERTCOLOR);
+    for (CVertexO& vertex : mesh.vert) vertex.C() = plain;
+  }
+  if (coloring == Coloring::provenance) return color_provenance(mesh, result, places);
+  for (std::size_t i = 0; i < result.new_vertices().size(); ++i)
+    mesh.vert[result.input_vertex_count() + i].C() = ramp(result.new_vertex_confidences()[i]);
 }
 
 Attributes::Attributes(const MeshModel& model, const mc::Result<Scalarm>& result,
@@ -90,20 +131,17 @@ Attributes::Attributes(const MeshModel& model, const mc::Result<Scalarm>& result
   }
 }
 
-void Attributes::apply(MeshModel& model, Coloring coloring) const {
-  CMeshO& mesh = model.cm;
-  const bool had_color = model.hasDataMask(MeshModel::MM_VERTCOLOR);
-  const bool by_result = coloring == Coloring::provenance || coloring == Coloring::confidence;
+void Attributes::apply(MeshModel& model, const Carried& carried, Coloring coloring) const {
   carry_from_rim(model);
-  take_values(model, coloring);
-  if (by_result && !had_color) {
-    model.updateDataMask(MeshModel::MM_VERTCOLOR);
-    for (CVertexO& vertex : mesh.vert) vertex.C() = plain;
-  }
-  set_normals(mesh);
+  carried.take(model.cm, result_);
+  set_normals(model.cm);
   copy_face_attributes(model);
-  if (coloring == Coloring::provenance) color_provenance(mesh);
-  if (coloring == Coloring::confidence) color_confidence(mesh);
+  color_by_result(model, result_, coloring, [this](std::size_t i) {
+    const std::uint32_t face = result_.new_vertex_source_faces()[i];
+    // From there on they are those of another layer.
+    if (face >= faces_.size()) return std::vector<std::uint32_t>();
+    return std::vector<std::uint32_t>(faces_[face].begin(), faces_[face].end());
+  });
 }
 
 void Attributes::set_normals(CMeshO& mesh) const {
@@ -135,18 +173,6 @@ void Attributes::carry_from_rim(MeshModel& model) const {
   }
 }
 
-// Those that came back with the shape.
-void Attributes::take_values(MeshModel& model, Coloring coloring) const {
-  const Given given(model, coloring);
-  const auto values = result_.new_vertex_values();
-  const double* value = values.begin();
-  for (std::size_t v = result_.input_vertex_count(); v < model.cm.vert.size() && value; ++v) {
-    CVertexO& vertex = model.cm.vert[v];
-    for (int k = 0; given.color && k < 4; ++k) vertex.C()[k] = byte(*value++);
-    if (given.quality) vertex.Q() = Scalarm(*value++);
-  }
-}
-
 // From the nearest face at the rim.
 void Attributes::copy_face_attributes(MeshModel& model) const {
   const bool color = model.hasDataMask(MeshModel::MM_FACECOLOR);
@@ -159,29 +185,4 @@ void Attributes::copy_face_attributes(MeshModel& model) const {
     if (color) face.C() = model.cm.face[like[i]].C();
     if (quality) face.Q() = model.cm.face[like[i]].Q();
   }
-}
-
-// Sources are numbered hole by hole, so that neighbours in the list differ.
-void Attributes::color_provenance(CMeshO& mesh) const {
-  std::vector<std::size_t> first;
-  std::size_t count = 0;
-  for (const mc::Hole& hole : result_.holes()) {
-    first.push_back(count);
-    count += hole.source_count;
-  }
-  for (std::size_t i = 0; i < result_.new_vertices().size(); ++i) {
-    CVertexO& vertex = mesh.vert[result_.input_vertex_count() + i];
-    const std::uint32_t source = result_.new_vertex_sources()[i];
-    vertex.C() = no_source;
-    if (source == mc::none) continue;
-    vertex.C() = palette[(first[result_.new_vertex_holes()[i]] + source) % palette_size];
-    const std::uint32_t face = result_.new_vertex_source_faces()[i];
-    if (face == mc::none) continue;
-    for (const std::uint32_t v : faces_[face]) mesh.vert[v].C() = vertex.C();
-  }
-}
-
-void Attributes::color_confidence(CMeshO& mesh) const {
-  for (std::size_t i = 0; i < result_.new_vertices().size(); ++i)
-    mesh.vert[result_.input_vertex_count() + i].C() = ramp(result_.new_vertex_confidences()[i]);
 }

@@ -5,15 +5,31 @@
 #define ATTRIBUTES_H
 
 #include <complete_mesh_attributes.hpp>
+#include <functional>
 
 #include "fill.h"
 
 // In the order of the filter's parameter.
 enum class Coloring { shape = 0, rim = 1, provenance = 2, confidence = 3 };
 
-// Color and quality of the vertices of a layer as far as it has them, as values that are completed with
-// the shape; the color steers.
-void give_values(const MeshModel& model, Coloring coloring, mesh_completion::Options& options);
+// Which values of the vertices are completed with the shape: red, green, blue and alpha, and quality, as
+// far as the layer, and the one that is copied from if it is another, have them.
+struct Carried {
+  bool color, quality;
+
+  Carried(const MeshModel& model, const MeshModel* source, Coloring coloring);
+  void append(const CVertexO& vertex, std::vector<double>& values) const;
+  // Those of a layer go into the options; the color steers.
+  void give(const CMeshO& mesh, mesh_completion::Options& options) const;
+  // Those that came back go to the new vertices.
+  void take(CMeshO& mesh, const mesh_completion::Result<Scalarm>& result) const;
+};
+
+// Colors by provenance or confidence; nothing for the other colorings. places(i): vertices of the layer
+// that new vertex i was copied from, none if it was from elsewhere.
+using Places = std::function<std::vector<std::uint32_t>(std::size_t)>;
+void color_by_result(MeshModel& model, const mesh_completion::Result<Scalarm>& result,
+                     Coloring coloring, const Places& places);
 
 class Attributes {
  public:
@@ -23,15 +39,12 @@ class Attributes {
   Attributes(const MeshModel& model, const mesh_completion::Result<Scalarm>& result,
              const Faces& faces);
   // Afterwards.
-  void apply(MeshModel& model, Coloring coloring) const;
+  void apply(MeshModel& model, const Carried& carried, Coloring coloring) const;
 
  private:
   void set_normals(CMeshO& mesh) const;
   void carry_from_rim(MeshModel& model) const;
-  void take_values(MeshModel& model, Coloring coloring) const;
   void copy_face_attributes(MeshModel& model) const;
-  void color_provenance(CMeshO& mesh) const;
-  void color_confidence(CMeshO& mesh) const;
 
   const mesh_completion::Result<Scalarm>& result_;
   const Faces& faces_;

@@ -4,10 +4,12 @@
 #include "fill.h"
 
 #include <complete_mesh.hpp>
-#include <cstdio>
 #include <set>
 
 #include "attributes.h"
+#include "guidance.h"
+#include "points.h"
+#include "report.h"
 
 namespace mc = mesh_completion;
 using vcg::tri::Allocator;
@@ -22,18 +24,6 @@ std::vector<std::array<std::uint32_t, 3>> faces_of(const CMeshO& mesh) {
     for (int k = 0; k < 3; ++k)
       faces[i][k] = std::uint32_t(vcg::tri::Index(mesh, mesh.face[i].cV(k)));
   return faces;
-}
-
-// The positions where they lie. P(), not cP(): in 2020.09 cP() returns a copy, whose address dangles.
-mc::MeshView<Scalarm> view_of(CMeshO& mesh,
-                              const std::vector<std::array<std::uint32_t, 3>>& faces) {
-  mc::MeshView<Scalarm> view;
-  view.vertices = mesh.vert.empty() ? nullptr : &mesh.vert[0].P()[0];
-  view.vertex_count = mesh.vert.size();
-  view.vertex_stride = sizeof(CVertexO);
-  view.faces = faces.empty() ? nullptr : faces[0].data();
-  view.face_count = faces.size();
-  return view;
 }
 
 // As "Close Holes" chooses: by the number of edges, and by the selected faces at the rim.
@@ -79,32 +69,6 @@ mc::Options options_of(const RichParameterList& parameters, vcg::CallBackPos* pr
   return options;
 }
 
-// Shows what is in the way.
-void select_elements(CMeshO& mesh, const mc::Failure& failure) {
-  UpdateSelection<CMeshO>::VertexClear(mesh);
-  UpdateSelection<CMeshO>::FaceClear(mesh);
-  for (const std::uint32_t v : failure.vertices) mesh.vert[v].SetS();
-  for (const mc::Edge& edge : failure.edges)
-    for (const std::uint32_t v : edge) mesh.vert[v].SetS();
-  for (const std::uint32_t f : failure.faces) mesh.face[f].SetS();
-}
-
-Outcome failed(CMeshO& mesh, const mc::Failure& failure) {
-  Outcome outcome;
-  outcome.error = failure.message;
-  // The one number of the dialog that has a range.
-  if (failure.status == mc::Status::invalid_option)
-    outcome.error = "\"Size of the new triangles\": " + failure.message;
-  if (failure.status == mc::Status::unsafe_hole || failure.status == mc::Status::invalid_mesh) {
-    select_elements(mesh, failure);
-    if (!failure.vertices.empty() || !failure.edges.empty() || !failure.faces.empty())
-      outcome.error += " (the elements in the way are selected)";
-  }
-  if (failure.status == mc::Status::unsafe_hole || failure.status == mc::Status::hole_failed)
-    outcome.error += "; to close the other holes, check \"Leave holes open that cannot be closed\"";
-  return outcome;
-}
-
 void add_elements(CMeshO& mesh, const mc::Result<Scalarm>& result) {
   const std::size_t old_vertices = mesh.vert.size(), old_faces = mesh.face.size();
   const auto points = result.new_vertices();
@@ -125,55 +89,24 @@ void update_topology(MeshModel& model) {
   vcg::tri::UpdateBounding<CMeshO>::Box(model.cm);
 }
 
-std::string describe(const mc::Hole& hole) {
-  char line[200];
-  if (hole.status != mc::HoleStatus::filled) {
-    std::snprintf(line, sizeof line, "hole %u (%zu edges) is left open: ", hole.id, hole.edge_count);
-  } else if (hole.source_count == 0) {
-    std::snprintf(line, sizeof line, "hole %u (%zu edges): smooth, %zu vertices and %zu faces new",
-                  hole.id, hole.edge_count, hole.new_vertex_count, hole.new_face_count);
-  } else {
-    std::snprintf(line, sizeof line,
-                  "hole %u (%zu edges): coherent, %u sources, confidence %.2f, %zu vertices and "
-                  "%zu faces new",
-                  hole.id, hole.edge_count, hole.source_count, hole.confidence,
-                  hole.new_vertex_count, hole.new_face_count);
-  }
-  return line;
-}
-
-void report(const mc::Result<Scalarm>& result, Outcome& outcome) {
-  outcome.holes = int(result.holes().size());
-  outcome.filled = int(result.filled_count());
-  outcome.new_vertices = int(result.new_vertices().size());
-  outcome.new_faces = int(result.new_faces().size());
-  char line[200];
-  std::snprintf(line, sizeof line,
-                "Closed %d of %d holes: %d vertices and %d faces new, in %.2f s (complete-mesh %s)",
-                outcome.filled, outcome.holes, outcome.new_vertices, outcome.new_faces,
-                result.seconds(), mc::version_string());
-  outcome.log.push_back(line);
-  const std::size_t shown = 20;
-  for (const mc::Hole& hole : result.holes()) {
-    if (hole.status == mc::HoleStatus::not_selected || hole.status == mc::HoleStatus::open) continue;
-    if (outcome.log.size() > shown) {
-      outcome.log.push_back("  and more");
-      break;
-    }
-    outcome.log.push_back("  " + describe(hole) + std::string(result.holes().reason(hole.id)));
-  }
-}
-
 }  // namespace
 
-Outcome fill_holes(MeshModel& model, const RichParameterList& parameters,
+Outcome fill_holes(MeshDocument& document, const RichParameterList& parameters,
                    vcg::CallBackPos* progress) {
+  MeshModel& model = *document.mm();
   CMeshO& mesh = model.cm;
   // Deleted elements stay in the arrays until then: an index must be a position.
   Allocator<CMeshO>::CompactEveryVector(mesh);
-  const auto faces = faces_of(mesh);
   mc::Options options = options_of(parameters, progress);
+  const auto coloring = Coloring(parameters.getEnum("Color"));
+  const Carried carried(model, other_layer(document, parameters, "Source"), coloring);
+  Outcome outcome;
+  outcome.error = set_guidance(document, parameters, carried, options);
+  if (!outcome.error.empty()) return outcome;
+  carried.give(mesh, options);
+  if (mesh.fn == 0) return fill_points(model, parameters, carried, options);
 
+  const auto faces = faces_of(mesh);
   const auto completer = mc::Completer<Scalarm>::make(view_of(mesh, faces), options);
   if (!completer) return failed(mesh, completer.failure());
   const int max_size = parameters.getInt("MaxHoleSize");
@@ -182,20 +115,17 @@ Outcome fill_holes(MeshModel& model, const RichParameterList& parameters,
     options.selection = mc::Selection::ids;
     options.selection_ids = choose_holes(mesh, completer->holes(), max_size, selected);
   }
-  const auto coloring = Coloring(parameters.getEnum("Color"));
-  give_values(model, coloring, options);
   const auto result = completer->try_complete(options);
   if (!result) return failed(mesh, result.failure());
 
   const Attributes attributes(model, *result, faces);
   add_elements(mesh, *result);
-  attributes.apply(model, coloring);
+  attributes.apply(model, carried, coloring);
   update_topology(model);
   if (parameters.getBool("NewFaceSelected")) {
     UpdateSelection<CMeshO>::FaceClear(mesh);
     for (std::size_t i = faces.size(); i < mesh.face.size(); ++i) mesh.face[i].SetS();
   }
-  Outcome outcome;
-  report(*result, outcome);
+  report(*result, "vertices", outcome);
   return outcome;
 }

@@ -17,9 +17,9 @@ struct Outcome {
   int holes = 0, filled = 0, new_vertices = 0, new_faces = 0;
 };
 
-// Fills holes of a layer, as the filter's parameters say. After an error the layer is as it was but
-// for its selection, which shows what is in the way.
-Outcome fill_holes(MeshModel& model, const RichParameterList& parameters,
+// Fills holes of the current layer, as the filter's parameters say. After an error the layer is as it was
+// but for its selection, which shows what is in the way. Other layers are only read.
+Outcome fill_holes(MeshDocument& document, const RichParameterList& parameters,
                    vcg::CallBackPos* progress);
 
 #endif

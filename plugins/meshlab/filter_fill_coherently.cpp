@@ -19,7 +19,8 @@ QString FilterFillCoherently::filterInfo(ML_ID) const {
   // The dialog shows about 15 lines.
   return "Fill holes so that the fill continues what the rest of the object shows; where nothing on "
          "it serves, the fill is a smooth surface. The mesh itself stays as it is: only new vertices "
-         "and faces are added. Cannot be cancelled: MeshLab has no button for that.<br>"
+         "and faces are added; to a layer without faces, new points. Cannot be cancelled: MeshLab has "
+         "no button for that.<br>"
          "See:<br>"
          "<i>G. Harary, A. Tal, E. Grinspun</i><br>"
          "<b>\"Context-based Coherent Surface Completion\"</b><br>"
@@ -36,16 +37,19 @@ int FilterFillCoherently::postCondition(ML_ACTION) const {
 }
 
 // Names and words of "Close Holes" where the meaning is the same.
-void FilterFillCoherently::add_parameters(const MeshModel& model, RichParameterList& parameters) {
+void FilterFillCoherently::add_parameters(ML_DOCUMENT& document, RichParameterList& parameters) {
+  const CMeshO& mesh = document.mm()->cm;
+  const bool selected = mesh.fn > 0 ? mesh.sfn > 0 : mesh.svn > 0;
   parameters.addParam(RichInt("MaxHoleSize", 0, "Max size to be closed",
                               "The size is expressed as number of edges composing the hole boundary. "
                               "0: holes of any size."));
-  parameters.addParam(RichBool("Selected", model.cm.sfn > 0, "Close holes with selected faces",
+  parameters.addParam(RichBool("Selected", selected, "Close holes with selected faces",
                                "Only the holes with at least one of the boundary faces selected are "
-                               "closed."));
+                               "closed. Of a point layer: those with a selected point at the rim, the "
+                               "outer border among them."));
   parameters.addParam(RichBool("NewFaceSelected", true, "Select the newly created faces",
-                               "The faces that have been created are left selected. Any previous "
-                               "selection is lost."));
+                               "The faces that have been created are left selected, of a point layer "
+                               "the points. Any previous selection is lost."));
   parameters.addParam(RichEnum("Method", 0,
                                QStringList() << "Coherent" << "Smooth" << "Harary et al. 2014",
                                "Method",
@@ -68,6 +72,43 @@ void FilterFillCoherently::add_parameters(const MeshModel& model, RichParameterL
                "continued, and the shape alone decides. (Both only if the mesh has vertex colors.) By "
                "provenance: each source of a fill has a color, and so has its place on the object. By "
                "confidence: from red (invention) over yellow (plausible) to green (convincing)."));
+  add_guidance(document, parameters);
+}
+
+// Layers that are the current one stand for none: a list of layers has no empty line.
+void FilterFillCoherently::add_guidance(ML_DOCUMENT& document, RichParameterList& parameters) {
+#if ML_API < 202100
+  MeshModel* current = document.mm();
+#else
+  const unsigned int current = document.mm()->id();
+#endif
+  parameters.addParam(RichBool("Mirror", true, "Copy mirrored places, too",
+                               "Off: for lettering, and whatever has a handedness."));
+  parameters.addParam(RichInt("Candidate", 0, "Candidate",
+                              "Copy from one place alone: 1 is the best that was found, 2 the second. 0: "
+                              "from all of them together. The log says how many there are."));
+  parameters.addParam(RichMesh("Source", current, &document, "Copy from layer",
+                               "The current layer: copy from the mesh itself. Another layer: copy from "
+                               "that alone, e.g. an intact twin, in any position."));
+  parameters.addParam(RichFloat("LeastScale", 1, "Least scale of the source",
+                                "What is copied may be scaled by this factor or more, 0.001 to 1000. The "
+                                "wider the range, the slower; with 1 and 1 nothing is scaled."));
+  parameters.addParam(RichFloat("GreatestScale", 1, "Greatest scale of the source",
+                                "What is copied may be scaled by this factor or less."));
+  parameters.addParam(RichEnum("Place", 0,
+                               QStringList() << "Searched for" << "As the layers lie"
+                                             << "As the layers lie, then aligned",
+                               "Place of the source",
+                               "Where the other layer is copied to. Searched for: wherever it fits. As the "
+                               "layers lie: it was put over the hole by hand, with the manipulators or "
+                               "the alignment tool. Then aligned: that is improved by what is known "
+                               "around the hole. Close one hole at a time."));
+  parameters.addParam(RichMesh("Points", current, &document, "Pass through points of layer",
+                               "The current layer: none. Another layer: its points lie inside holes, and "
+                               "fills pass through them."));
+  parameters.addParam(RichFloat("Softness", 0, "Softness",
+                                "How far fills may stay off those points, for noisy ones: 0 (they pass "
+                                "through) to 1; 0.1 halves the height of a bump over the whole hole."));
 }
 
 #if ML_API < 202100
@@ -75,7 +116,7 @@ void FilterFillCoherently::add_parameters(const MeshModel& model, RichParameterL
 bool FilterFillCoherently::applyFilter(QAction*, MeshDocument& document,
                                        const RichParameterList& parameters,
                                        vcg::CallBackPos* progress) {
-  const Outcome outcome = fill_holes(*document.mm(), parameters, progress);
+  const Outcome outcome = fill_holes(document, parameters, progress);
   for (const std::string& line : outcome.log) Log(line);
   if (!outcome.error.empty()) {
     errorMessage = QString::fromStdString(outcome.error);
@@ -90,7 +131,7 @@ bool FilterFillCoherently::applyFilter(QAction*, MeshDocument& document,
 std::map<std::string, QVariant> FilterFillCoherently::applyFilter(
     const QAction*, const RichParameterList& parameters, MeshDocument& document, unsigned int&,
     vcg::CallBackPos* progress) {
-  const Outcome outcome = fill_holes(*document.mm(), parameters, progress);
+  const Outcome outcome = fill_holes(document, parameters, progress);
   for (const std::string& line : outcome.log) log(line);
   if (!outcome.error.empty()) throw MLException(QString::fromStdString(outcome.error));
   return {{"holes", outcome.holes},

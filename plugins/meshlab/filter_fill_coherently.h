@@ -13,6 +13,7 @@
 #define ML_CONST
 #define ML_ID FilterIDType
 #define ML_ARITY FILTER_ARITY
+#define ML_DOCUMENT MeshDocument
 #else
 #include <common/plugins/interfaces/filter_plugin.h>
 #define ML_BASE FilterPlugin
@@ -21,6 +22,7 @@
 #define ML_CONST const
 #define ML_ID ActionIDType
 #define ML_ARITY FilterArity
+#define ML_DOCUMENT const MeshDocument
 #endif
 
 class FilterFillCoherently : public QObject, public ML_BASE {
@@ -38,21 +40,24 @@ class FilterFillCoherently : public QObject, public ML_BASE {
   // Beside "Close Holes".
   FilterClass getClass(ML_ACTION) ML_CONST override { return FilterClass(ML_BASE::Remeshing); }
   ML_ARITY filterArity(ML_ACTION) const override { return SINGLE_MESH; }
-  int getPreConditions(ML_ACTION) const override { return MeshModel::MM_FACENUMBER; }
+  // A layer without faces is a cloud of points.
+  int getPreConditions(ML_ACTION) const override { return MeshModel::MM_NONE; }
   int postCondition(ML_ACTION) const override;
 
 #if ML_API < 202100
-  void initParameterSet(QAction*, MeshModel& model, RichParameterList& parameters) override {
-    add_parameters(model, parameters);
+  using ML_BASE::initParameterSet;
+  void initParameterSet(QAction*, MeshDocument& document, RichParameterList& parameters) override {
+    add_parameters(document, parameters);
   }
   bool applyFilter(QAction*, MeshDocument& document, const RichParameterList& parameters,
                    vcg::CallBackPos* progress) override;
 #else
   QString vendor() const override { return "complete-mesh"; }
   QString pythonFilterName(ML_ID) const override { return "meshing_fill_holes_coherently"; }
-  RichParameterList initParameterList(const QAction*, const MeshModel& model) override {
+  using ML_BASE::initParameterList;
+  RichParameterList initParameterList(const QAction*, const MeshDocument& document) override {
     RichParameterList parameters;
-    add_parameters(model, parameters);
+    add_parameters(document, parameters);
     return parameters;
   }
   std::map<std::string, QVariant> applyFilter(const QAction*, const RichParameterList& parameters,
@@ -61,7 +66,8 @@ class FilterFillCoherently : public QObject, public ML_BASE {
 #endif
 
  private:
-  static void add_parameters(const MeshModel& model, RichParameterList& parameters);
+  static void add_parameters(ML_DOCUMENT& document, RichParameterList& parameters);
+  static void add_guidance(ML_DOCUMENT& document, RichParameterList& parameters);
 };
 
 #endif

@@ -3,14 +3,13 @@
 use super::error::{Failure, Status};
 use super::guard::{guard, guard_value};
 use super::holes::Holes;
-use super::input::{normals as normals_of, Input};
+use super::input::Input;
 use super::options::COptions;
 use super::progress::with_monitor;
 use super::result::MeshResult;
 use crate::complete::Completer;
 use crate::holes::find_holes;
 use crate::holes::select::select_holes;
-use crate::points::complete_points_with;
 use std::ffi::c_void;
 
 /// A mesh whose holes are known, for filling them more than once with different options. Opaque;
@@ -33,7 +32,7 @@ const _: () = {
 ///
 /// # Safety
 /// `out` is NULL or writable.
-unsafe fn empty<T>(name: &str, out: *mut *mut T) -> Result<(), Failure> {
+pub(super) unsafe fn empty<T>(name: &str, out: *mut *mut T) -> Result<(), Failure> {
     if out.is_null() {
         return Err(Failure::argument(format!("{name} is NULL")));
     }
@@ -46,7 +45,7 @@ unsafe fn empty<T>(name: &str, out: *mut *mut T) -> Result<(), Failure> {
 ///
 /// # Safety
 /// `out` is writable.
-unsafe fn give<T>(out: *mut *mut T, object: T) {
+pub(super) unsafe fn give<T>(out: *mut *mut T, object: T) {
     // SAFETY: by the contract of this function.
     unsafe { out.write_unaligned(Box::into_raw(Box::new(object))) };
 }
@@ -64,7 +63,8 @@ fn completed(
         let exemplar = options.sources.exemplar.as_deref();
         appearance.complete(input.view.faces, exemplar, &completion)
     });
-    MeshResult::new(input, completer.holes(), completion, values, whole_mesh)
+    let holes = Holes::new(completer.holes(), &completion.holes);
+    MeshResult::new(input, holes, completion, values, whole_mesh)
 }
 
 /// Fills the holes of a triangle mesh. The input is only read, and only while the call lasts.
@@ -102,51 +102,6 @@ pub unsafe extern "C" fn complete_mesh(
         let made = with_monitor(&opts, |monitor| {
             let completer = Completer::new(input.view, &options.grouping, monitor)?;
             completed(&input, &completer, &opts, &options, monitor)
-        })?;
-        // SAFETY: `empty` has written there.
-        unsafe { give(result, made) };
-        Ok(())
-    })
-}
-
-/// Fills the holes of a point cloud with new points. Outer borders of open surfaces stay open unless
-/// they are selected by id, point or vertices. The input is only read, and only while the call lasts.
-///
-/// points: positions, three numbers each; float unless vertex_type of the options says double.
-/// Three NaN are a point without coordinates, which is passed through. NULL if point_count is 0.
-/// point_count: how many points.
-/// normals: packed, of the number type of the points, any length, zero where unknown: which side is
-/// out; NULL: guessed.
-/// opts: as for complete_mesh, vertices being points; source_faces and the initial completion must
-/// not be set. NULL for the defaults.
-/// result: receives the new result, whose vertices are the points and which has no faces, to be
-/// freed with complete_mesh_result_free; NULL on failure.
-///
-/// Returns COMPLETE_MESH_STATUS_OK, also for a cloud without holes, or what was wrong. May be called
-/// by any number of threads at once.
-#[no_mangle]
-pub unsafe extern "C" fn complete_mesh_points(
-    points: *const c_void,
-    point_count: usize,
-    normals: *const c_void,
-    opts: *const COptions,
-    result: *mut *mut MeshResult,
-) -> Status {
-    guard(|| {
-        // SAFETY: NULL or valid, by the contract of the header; so for all pointers.
-        unsafe { empty("result", result) }?;
-        // SAFETY: as above.
-        let opts = unsafe { COptions::read(opts) }?;
-        // SAFETY: as above.
-        let options = unsafe { opts.checked(point_count, 0) }?;
-        let whole_mesh = opts.whole_mesh()?;
-        // SAFETY: as above.
-        let input = unsafe { Input::new(points, point_count, std::ptr::null(), 0, &opts) }?;
-        // SAFETY: as above.
-        let normals = unsafe { normals_of(normals, point_count, &opts) }?;
-        let made = with_monitor(&opts, |monitor| {
-            let made = complete_points_with(input.view.vertices, normals, &options, monitor)?;
-            MeshResult::of_points(&input, made, whole_mesh)
         })?;
         // SAFETY: `empty` has written there.
         unsafe { give(result, made) };

@@ -34,7 +34,11 @@ impl COptions {
         let numbers = unsafe { array("constraint_points", self.constraint_points, count) }?;
         let points = numbers.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
         let (candidate, softness) = (self.candidate as usize, self.softness);
-        Ok(Guidance { placement, candidate, scales, points, softness })
+        let part = flag("part", self.part)?;
+        // SAFETY: as above.
+        let loose =
+            unsafe { array("loose_vertices", self.loose_vertices, self.loose_count) }?.into();
+        Ok(Guidance { placement, candidate, scales, points, part, loose, softness })
     }
 }
 

@@ -1,4 +1,4 @@
-//! The holes of a mesh for C: measured, with what became of them after a completion.
+//! The holes of a mesh or a cloud for C: measured, with what became of them after a completion.
 
 use super::error::{c_string, Elements};
 use super::guard::guard_value;
@@ -38,7 +38,8 @@ pub enum CHoleStatus {
     Failed = 4,
 }
 
-/// One hole. Lengths and positions are in mesh units.
+/// One hole. Lengths and positions are in mesh units. Edges of a cloud's hole are those between the
+/// points of its rim.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CHole {
@@ -90,8 +91,18 @@ pub struct CHole {
     pub coherence_error_after: f64,
     /// How many candidates the hole has, if one was asked for by the option candidate; else 0.
     pub candidate_count: u32,
-    /// 0, for a later version.
-    pub reserved: u32,
+    /// 1: the outer border of an open cloud, which is filled only if it is named. Else 0.
+    pub is_border: u32,
+    /// Which detectors were asked for the holes of a cloud, complete_mesh_detector added up:
+    /// complete_mesh_find_point_holes asks all, a completion asks one. 0 for a mesh.
+    pub detectors_asked: u32,
+    /// Which of them find this hole. One that not all agree on may be a sparse place.
+    pub detectors_agreed: u32,
+    /// Of a cloud: the mean probability, 0 to 1, that the points of the rim lie on a boundary (Bendels et
+    /// al. 2005); from 0.4 a rim is plain to see. NaN for a mesh.
+    pub boundary_probability: f64,
+    /// Of a cloud: an estimate of how many points are missing. NaN for a mesh.
+    pub missing_points: f64,
 }
 
 /// A place on the object that a hole's fill was continued from. Lengths are in mesh units.
@@ -115,8 +126,8 @@ pub struct CSource {
 }
 
 /// One hole, ready to be asked.
-struct Entry {
-    info: CHole,
+pub(super) struct Entry {
+    pub(super) info: CHole,
     loops: Vec<Vec<u32>>,
     /// Why it was not filled or cannot be; empty if all is well.
     reason: CString,
@@ -124,14 +135,18 @@ struct Entry {
     sources: Vec<CSource>,
 }
 
-/// The holes of a mesh and everything odd that was found at its boundary. Opaque; read by the
+/// The holes of a mesh or a cloud and everything odd that was found there. Opaque; read by the
 /// functions complete_mesh_holes_..., from any number of threads.
 pub struct Holes {
-    entries: Vec<Entry>,
+    pub(super) entries: Vec<Entry>,
     non_manifold_edges: Vec<u32>,
     inconsistent_edges: Vec<u32>,
     degenerate_faces: Vec<u32>,
     duplicate_vertices: Vec<u32>,
+    /// Of a cloud; else 0.
+    pub(super) spacing: f64,
+    /// Of a cloud, by [`super::CIgnored`].
+    pub(super) ignored: [Vec<u32>; 3],
 }
 
 impl Entry {
@@ -196,7 +211,11 @@ fn info(hole: &Hole, is_unsafe: bool, report: Option<&HoleReport>) -> CHole {
         coherence_error_before: coherence_error[0],
         coherence_error_after: coherence_error[1],
         candidate_count: report.map_or(0, |r| r.candidates as u32),
-        reserved: 0,
+        is_border: 0,
+        detectors_asked: 0,
+        detectors_agreed: 0,
+        boundary_probability: f64::NAN,
+        missing_points: f64::NAN,
     }
 }
 
@@ -218,6 +237,7 @@ fn method_number(method: Method) -> u32 {
         Method::Coherent => CMethod::Coherent as u32,
         Method::Harary => CMethod::Harary as u32,
         Method::Fragment => CMethod::Fragment as u32,
+        Method::Warp => CMethod::Warp as u32,
     }
 }
 
@@ -240,6 +260,8 @@ impl Holes {
             inconsistent_edges: flat(&list.inconsistent_edges),
             degenerate_faces: list.degenerate_faces.clone(),
             duplicate_vertices: flat(&list.duplicate_boundary_vertices),
+            spacing: 0.0,
+            ignored: Default::default(),
         }
     }
 
@@ -260,7 +282,7 @@ impl Holes {
 ///
 /// # Safety
 /// `holes` is NULL or alive; `count` is NULL or writable.
-unsafe fn list<'a>(
+pub(super) unsafe fn list<'a>(
     holes: *const Holes,
     count: *mut usize,
     per_element: usize,
@@ -464,13 +486,13 @@ pub unsafe extern "C" fn complete_mesh_holes_duplicate_vertices(
     unsafe { list(holes, count, 2, |h| Some(&h.duplicate_vertices)) }
 }
 
-/// Frees what complete_mesh_find_holes gave; NULL is allowed. Not for the holes of a result or a
-/// completer, which free their own: those are const.
+/// Frees what complete_mesh_find_holes or complete_mesh_find_point_holes gave; NULL is allowed. Not for
+/// the holes of a result or a completer, which free their own: those are const.
 #[no_mangle]
 pub unsafe extern "C" fn complete_mesh_holes_free(holes: *mut Holes) {
     guard_value((), || {
         if !holes.is_null() {
-            // SAFETY: made by `Box::into_raw` in `complete_mesh_find_holes`, freed once.
+            // SAFETY: made by `Box::into_raw` in the entry that finds holes, freed once.
             drop(unsafe { Box::from_raw(holes) });
         }
         None

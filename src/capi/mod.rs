@@ -14,6 +14,7 @@ mod guidance;
 mod holes;
 mod input;
 mod options;
+mod points;
 mod progress;
 mod result;
 
@@ -21,6 +22,7 @@ pub use completer::*;
 pub use error::*;
 pub use holes::*;
 pub use options::*;
+pub use points::*;
 pub use result::*;
 
 use std::ffi::c_char;

@@ -33,6 +33,9 @@ pub enum CMethod {
     /// Fragment-based inpainting (Bendels, Schnabel, Klein 2005): copies of fragments of the object, scale
     /// by scale.
     Fragment = 3,
+    /// Completion for shape and appearance (Park, Guo, Shin, Qin 2006): the patch whose surroundings are the
+    /// most similar is warped into the hole.
+    Warp = 4,
 }
 
 /// The smooth surface that a hole is filled with, or that its coherent fill starts from.
@@ -259,6 +262,15 @@ pub struct COptions {
     /// How far the fill may stay off the points, 0 (it passes through them) to 1; 0.1 halves the height of
     /// a bump over the whole hole. Default: 0.
     pub softness: f64,
+    /// 1: each hole is filled with a part taken whole, with the source's own triangles: a missing hand, foot
+    /// or spout, which no smooth surface comes near to. The part is what lies over the hole, at placement or
+    /// at the first of the places found that has one. Default: 0.
+    pub part: u32,
+    /// Vertices of rims where the fill need only be joined: neither tangents nor relief nor values go on
+    /// from what lies beyond them. Yours; NULL if loose_count is 0. Default: NULL.
+    pub loose_vertices: *const u32,
+    /// How many there are. Default: 0.
+    pub loose_count: usize,
     /// 1: complete_mesh_points completes a cleaned copy of the cloud: points beside the surface and
     /// doubles are left out, noise is smoothed; see complete_mesh_result_cleaned_points. The input stays
     /// what it is. Refused for a mesh. Default: 0.
@@ -328,6 +340,9 @@ impl COptions {
             constraint_points: std::ptr::null(),
             constraint_count: 0,
             softness: 0.0,
+            part: 0,
+            loose_vertices: std::ptr::null(),
+            loose_count: 0,
             clean: 0,
             clean_rounds: Cleaning::default().rounds as u32,
         }
@@ -414,6 +429,7 @@ impl COptions {
                 1 => Method::Coherent,
                 2 => Method::Harary,
                 3 => Method::Fragment,
+                4 => Method::Warp,
                 other => return Err(unknown("method", other, "complete_mesh_method")),
             },
             fairing: *Fairing::ALL

@@ -5,7 +5,6 @@ use super::guard::guard_value;
 use super::holes::Holes;
 use super::input::Input;
 use super::options::CVertexType;
-use crate::holes::HoleList;
 use crate::points::{CleanedPoints, PointCompletion};
 use crate::result::{Completion, Origin};
 use std::ffi::c_void;
@@ -82,7 +81,7 @@ fn reserved<T>(count: usize) -> Result<Vec<T>, Failure> {
 impl MeshResult {
     pub(super) fn new(
         input: &Input,
-        list: &HoleList,
+        holes: Holes,
         completion: Completion,
         values: Vec<f64>,
         whole_mesh: bool,
@@ -118,7 +117,7 @@ impl MeshResult {
             input_counts,
             whole_mesh,
             values,
-            holes: Holes::new(list, &completion.holes),
+            holes,
             vertex_hole: completion.vertex_hole,
             origins: Origins::new(&completion.origins)?,
             source_points: Vec::new(),
@@ -143,7 +142,8 @@ impl MeshResult {
         completion.faces.clear();
         completion.face_hole.clear();
         completion.holes.iter_mut().for_each(|h| h.faces = 0..0);
-        let made = Self::new(input, &found.list, completion, values, whole_mesh)?;
+        let holes = Holes::of_points(&found, &completion.holes);
+        let made = Self::new(input, holes, completion, values, whole_mesh)?;
         let CleanedPoints { positions, removed } = cleaned.unwrap_or_default();
         let removed = removed.into_iter().map(u8::from).collect();
         Ok(Self { source_points, normals, cleaned: positions, removed, ..made })

@@ -3,7 +3,6 @@
 use super::failure::Failure;
 use super::guidance::GuidanceArgs;
 use super::sources::SourceArgs;
-use crate::error::Error;
 use crate::options::{Cleaning, Fairing, Grouping, Method, Options, Selection, Sizing, Sources};
 use crate::sample::{Break, Sample};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -40,8 +39,7 @@ pub(super) enum Command {
     Sample(SampleArgs),
 }
 
-/// All names of methods, also of those that this version does not have: asking for one is told
-/// apart from a misspelling.
+/// The names of the methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum MethodName {
     Smooth,
@@ -59,7 +57,7 @@ pub(super) struct FillArgs {
     /// Mesh file to write; its name's ending says the format. May be IN itself
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// How a fill is made; this version has coherent, smooth, harary and fragment
+    /// How a fill is made
     #[arg(long, value_enum, default_value = "coherent")]
     pub method: MethodName,
     /// The smooth surface, which a coherent fill starts from
@@ -205,19 +203,14 @@ pub(super) struct SampleArgs {
 }
 
 impl FillArgs {
-    /// The library's options but for the sources, which take the mesh to be told. Methods that are
-    /// not in this version are refused here.
+    /// The library's options but for the sources, which take the mesh to be told.
     pub fn options(&self) -> Result<Options, Failure> {
         let method = match self.method {
             MethodName::Smooth => Method::Smooth,
             MethodName::Coherent => Method::Coherent,
             MethodName::Harary => Method::Harary,
             MethodName::Fragment => Method::Fragment,
-            MethodName::Warp => {
-                let name = self.method.to_possible_value().map(|v| v.get_name().to_owned());
-                let what = format!("method \"{}\"", name.unwrap_or_default());
-                return Err(Error::Unsupported { what }.into());
-            }
+            MethodName::Warp => Method::Warp,
         };
         let options = Options {
             appearance: None,
@@ -415,13 +408,6 @@ mod tests {
         }
         let both = fill("--holes 1 --max-edges 3").unwrap_err().to_string();
         assert!(both.contains("--holes") && both.contains("--max-edges"), "{both}");
-    }
-
-    #[test]
-    fn methods_of_other_versions_are_refused_by_name() {
-        let failure = fill("--method warp").unwrap().options().unwrap_err();
-        assert_eq!(failure.code(), 4);
-        assert!(failure.to_string().contains("warp"), "{failure}");
     }
 
     #[test]

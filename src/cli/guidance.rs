@@ -26,6 +26,12 @@ pub(super) struct GuidanceArgs {
     /// Sources may be scaled by a factor in this range
     #[arg(long, value_name = "MIN,MAX", conflicts_with = "transform", value_parser = parse_scale)]
     pub scale: Option<Scales>,
+    /// Take a missing part whole, with the source's own triangles: a hand, a foot, a spout
+    #[arg(long)]
+    pub part: bool,
+    /// Rim vertices where the fill need only be joined, not go on from what lies beyond
+    #[arg(long, value_name = "I,..", value_delimiter = ',')]
+    pub loose: Vec<u32>,
     /// Points that the fills pass through: the vertices of a mesh or cloud
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
@@ -70,6 +76,8 @@ impl GuidanceArgs {
             candidate: self.candidate.unwrap_or_default(),
             scales: self.scale.map(|s| s.0),
             points: self.points()?,
+            part: self.part,
+            loose: self.loose.clone().into(),
             softness: self.softness,
         })
     }

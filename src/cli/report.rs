@@ -71,6 +71,8 @@ pub(super) struct SourceEntry {
     pub error: f64,
     pub weight: f64,
     pub vertices: usize,
+    /// With their colours, but not their shape, from here.
+    pub coloured: usize,
 }
 
 impl SourceEntry {
@@ -81,6 +83,7 @@ impl SourceEntry {
             error: source.error,
             weight: source.weight,
             vertices: source.vertices,
+            coloured: source.coloured,
         }
     }
 }

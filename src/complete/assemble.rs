@@ -18,6 +18,8 @@ pub fn blank(mesh: MeshView<'_>, list: &HoleList, wanted: &[bool]) -> Completion
         faces: Vec::new(),
         vertex_hole: Vec::new(),
         origins: Vec::new(),
+        colour_origins: Vec::new(),
+        loose: Default::default(),
         face_hole: Vec::new(),
         holes: list.holes.iter().map(|h| blank_report(h, wanted[h.id])).collect(),
         seconds: 0.0,
@@ -109,9 +111,21 @@ fn append(
     }
     out.vertices.extend(new.iter().map(|p| p.to_array()));
     out.vertex_hole.resize(out.vertices.len(), hole as u32);
+    let before = out.origins.len();
     match &fill.story {
         Some(story) => out.origins.extend_from_slice(&story.origins),
         None => out.origins.resize(out.vertices.len(), Origin::NOWHERE),
+    }
+    let colours = fill.story.as_ref().map_or(&[][..], |s| &s.colours);
+    if !colours.is_empty() || !out.colour_origins.is_empty() {
+        // As the shape's, up to here.
+        let (colours, all) = (colours.to_vec(), &out.origins);
+        out.colour_origins.extend_from_slice(&all[out.colour_origins.len()..before]);
+        out.colour_origins.extend(if colours.is_empty() {
+            all[before..].to_vec()
+        } else {
+            colours
+        });
     }
     let index = |v: u32| match (v as usize).checked_sub(rim) {
         Some(i) => (base + i) as u32,

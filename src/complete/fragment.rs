@@ -193,9 +193,11 @@ fn tell(
         error: pasted[c].errors[0],
         weight: used[c] as f64 / used.iter().sum::<usize>().max(1) as f64,
         vertices: used[c],
+        coloured: 0,
     };
     let sources = order.iter().map(report).collect();
     let confidence = origins.iter().map(|o| o.confidence).sum::<f64>() / new;
     let (seams, ring, coherence_error) = (Vec::new(), Vec::new(), None);
-    (patch, Story { origins, sources, seams, ring, confidence, coherence_error })
+    let colours = Vec::new();
+    (patch, Story { origins, colours, sources, seams, ring, confidence, coherence_error })
 }

@@ -4,7 +4,7 @@
 use super::library::Library;
 use crate::error::Result;
 use crate::guidance::{Guidance, Placement};
-use crate::matching::icp::{misfit, RingPoint};
+use crate::matching::icp::{misfit, worth, RingPoint};
 use crate::matching::rigid::Rigid;
 use crate::matching::ring_pattern::Candidate;
 use crate::matching::search::{find_candidates, thin_ring, Target, POINTS};
@@ -71,7 +71,7 @@ pub fn transforms(
 }
 
 /// The transform given by hand, improved on the rings of all windows if that is wished for.
-fn placed(library: &Library, placement: &Placement, targets: &[Target<'_>]) -> Rigid {
+pub fn placed(library: &Library, placement: &Placement, targets: &[Target<'_>]) -> Rigid {
     let Placement { transform, refined } = *placement;
     if !refined {
         return transform;
@@ -124,7 +124,8 @@ fn search_scales(
                 let whole = aligned.after(&scaling(scale));
                 match (range[0]..=range[1]).contains(&scale_of(&whole)) {
                     true => {
-                        let cost = bland * misfit(&source, &rings[w], &aligned, radius);
+                        let cost =
+                            bland * misfit(&source, &rings[w], &aligned, radius, worth(&source));
                         Candidate { transform: whole, bland, cost }
                     }
                     false => Candidate { transform: transform.after(&scaling(scale)), bland, cost },
@@ -192,9 +193,7 @@ pub fn rank(
     look: &dyn Fn() -> Result<Option<RankedView>>,
 ) -> Result<Arc<Vec<Rigid>>> {
     library.ranked.find(from_ref(target), guidance.scales, || {
-        let Some(RankedView { copies }) = look()? else { return Ok(Arc::default()) };
-        let transforms = copies.into_iter();
-        Ok(Arc::new(distinct(transforms, target.fill, SAME * target.radius, usize::MAX)))
+        Ok(look()?.map_or_else(Arc::default, |ranked| Arc::new(ranked.distinct(target))))
     })
 }
 
@@ -212,6 +211,11 @@ impl RankedView {
         let worst = HOPELESS * view.fitted.plate_error;
         order.retain(|&k| painted || view.fitted.error[k] <= worst);
         Self { copies: order.iter().map(|&k| view.copies[k].transform).collect() }
+    }
+
+    /// The same, each place once.
+    pub fn distinct(self, target: &Target<'_>) -> Vec<Rigid> {
+        distinct(self.copies.into_iter(), target.fill, SAME * target.radius, usize::MAX)
     }
 }
 

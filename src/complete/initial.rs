@@ -99,7 +99,7 @@ impl<'a> InitialFaces<'a> {
 }
 
 /// Each inner edge must be there once in each direction, each rim edge once.
-fn check_edges(triangles: &[[u32; 3]], outline: &Outline) -> std::result::Result<(), String> {
+pub fn check_edges(triangles: &[[u32; 3]], outline: &Outline) -> std::result::Result<(), String> {
     let mut open: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     for t in triangles {
         for k in 0..3 {

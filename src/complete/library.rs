@@ -3,6 +3,7 @@
 
 use super::guided::{guess_scales, Transforms};
 use super::searches::Searches;
+use crate::descriptor::voting::voted_curvatures;
 use crate::error::Result;
 use crate::matching::cloud::Cloud;
 use crate::matching::paint::Paint;
@@ -11,6 +12,7 @@ use crate::matching::ring_pattern::Candidate;
 use crate::matching::search::{
     cloud_at, cloud_scale, find_candidates, radius_at, scale_of, Maps, Target,
 };
+use crate::matching::signature::Features;
 use crate::matching::source::Source;
 use crate::mesh::MeshView;
 use crate::options::{Appearance, Sources};
@@ -23,7 +25,8 @@ pub struct Library {
     pub known: Source,
     /// What may be copied from, where that is not all that is known.
     chosen: Option<Source>,
-    mirrored: bool,
+    /// Whether mirrored copies may be made.
+    pub mirrored: bool,
     maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
     /// Of what is known, and of what was chosen.
     clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
@@ -32,8 +35,19 @@ pub struct Library {
     pub scaled: Searches<Transforms>,
     /// The candidates of a window, in order.
     pub ranked: Searches<Arc<Vec<Rigid>>>,
+    /// The same by [`crate::Method::Warp`].
+    pub warped: Searches<Arc<Vec<Rigid>>>,
+    features: Mutex<Option<Arc<Described>>>,
     /// Scales at which the exemplars are as large as the mesh.
     pub guesses: Vec<f64>,
+}
+
+/// What signatures are taken of: all that is known, and what was chosen of it and of exemplars.
+pub struct Described {
+    /// Of [`Library::known`].
+    pub known: Features,
+    /// Of [`Library::source`], where that is not all that is known.
+    pub chosen: Option<Features>,
 }
 
 /// The candidates of each of some windows.
@@ -63,6 +77,8 @@ impl Library {
             found: Searches::default(),
             scaled: Searches::default(),
             ranked: Searches::default(),
+            warped: Searches::default(),
+            features: Mutex::default(),
         })
     }
 
@@ -106,6 +122,26 @@ impl Library {
         let known = self.cloud(&self.known, 0, radius, check)?;
         let own = Arc::new(cloud_at(source, cloud_scale(source, radius), check)?);
         Maps::new(source, radius, own, known, self.mirrored, check)
+    }
+
+    /// Curvatures and colours of the vertices, made when first asked for.
+    pub fn features(
+        &self,
+        threads: usize,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Arc<Described>> {
+        let mut kept = self.features.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(features) = kept.as_ref() {
+            return Ok(features.clone());
+        }
+        let of = |s: &Source| {
+            let curvatures = voted_curvatures(&s.positions, &s.normals, &s.faces, threads, check)?;
+            Ok::<_, crate::Error>(Features::new(s, &curvatures))
+        };
+        let chosen = self.chosen.as_ref().map(of).transpose()?;
+        let made = Arc::new(Described { known: of(&self.known)?, chosen });
+        *kept = Some(made.clone());
+        Ok(made)
     }
 
     /// The candidates for some windows, which share one radius.

@@ -4,14 +4,17 @@
 mod assemble;
 mod check;
 mod coherent;
+mod coloured;
 mod fragment;
 mod guided;
 pub mod harary;
 mod initial;
 mod library;
+mod part;
 mod pulled;
 mod searches;
 mod smooth;
+mod warp;
 mod workers;
 
 use crate::error::{Error, Result};
@@ -38,6 +41,8 @@ use library::Library;
 use pulled::{pull_fill, share_points};
 use smooth::{fill_hole, Fill, Story, Surroundings};
 use std::cell::Cell;
+use std::collections::HashSet;
+use std::slice::from_ref;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -137,6 +142,22 @@ impl<'a> Completer<'a> {
         Ok(library)
     }
 
+    /// The vertices that fills are only joined at, as those of the neighbourhood.
+    fn loose(&self, near: &Neighbourhood, given: &[u32]) -> Result<Vec<u32>> {
+        if given.is_empty() {
+            return Ok(Vec::new());
+        }
+        let rims: HashSet<u32> = self.rims().into_iter().collect();
+        if let Some(v) = given.iter().find(|v| !rims.contains(v)) {
+            let reason = format!("vertex {v} is on no rim; take it out");
+            return Err(Error::InvalidOption { name: "loose", reason });
+        }
+        let mut loose: Vec<u32> = given.iter().filter_map(|&v| near.local(v)).collect();
+        loose.sort_unstable();
+        loose.dedup();
+        Ok(loose)
+    }
+
     /// All vertices of boundary loops.
     fn rims(&self) -> Vec<u32> {
         self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect()
@@ -195,7 +216,8 @@ impl<'a> Completer<'a> {
         let points = share_points(&options.guidance, &todo)?;
         monitor.step(0.05, "copying the surroundings")?;
         let boxes: Vec<Bounds> = todo.iter().map(|h| self.reach(h)).collect();
-        let near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
+        let mut near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
+        near.loose = self.loose(&near, &options.guidance.loose)?;
         let incidence = Incidence::new(&near);
         let single = self.mesh.vertices.is_single();
         let initial = options.initial.as_ref().map(|i| InitialFaces::new(i, vertices));
@@ -223,7 +245,7 @@ impl<'a> Completer<'a> {
             Method::Fragment => {
                 self.paste_fragments(&around, &boxes, &mut outcomes, options, monitor)?;
             }
-            Method::Coherent | Method::Smooth => {}
+            Method::Coherent | Method::Warp | Method::Smooth => {}
         }
         monitor.step(0.95, "checking the fills against each other")?;
         let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
@@ -235,6 +257,7 @@ impl<'a> Completer<'a> {
             outcomes,
             options.skip_unsafe,
         )?;
+        completion.loose = options.guidance.loose.clone();
         completion.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
         completion.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
         monitor.step(1.0, "done")?;
@@ -320,26 +343,33 @@ impl<'a> Completer<'a> {
             return Ok(Err(("its rim was not found again".into(), 0.0)));
         };
         // The smooth fill is there early; most of a coherent one's time comes after it.
-        let share = if options.method == Method::Coherent { SMOOTH_SHARE } else { 1.0 };
+        let copies = matches!(options.method, Method::Coherent | Method::Warp);
+        let share = if copies { SMOOTH_SHARE } else { 1.0 };
         let early = |part: f64| check(share * part);
         let late = |part: f64| check(share + (1.0 - share) * part);
         let mut filled = match around.initial {
+            _ if options.guidance.part => {
+                let threads = workers::threads_inside(holes, options.threads);
+                self.fill_with_part(around, obstacles, (hole, &loops), options, threads, check)?
+            }
             Some(initial) => initial.fill_hole(around, &loops, obstacles, &early)?,
             None => fill_hole(around, &loops, obstacles, &early)?,
         };
+        let copies = copies && !options.guidance.part;
         let drawn = (points, options.guidance.softness);
         if let Ok(fill) = &mut filled {
             if let Err(why) = pull_fill(around, obstacles, fill, drawn, &early)? {
                 filled = Err(why);
             }
         }
-        if let (Method::Coherent, Ok(fill)) = (options.method, &mut filled) {
+        if let (true, Ok(fill)) = (copies, &mut filled) {
             let threads = workers::threads_inside(holes, options.threads);
             let making = self.making(fill);
             let library = self.library(options, &|part| late(making * part))?;
             let late = |part: f64| late(making + (1.0 - making) * part);
             // Sources are looked for from the same fill whatever the options: what was found is kept.
             let own = around.initial.is_some() || around.is_standard();
+            let own = own || options.method == Method::Warp;
             let standard = match own || !around.is_near_standard(fill.outline.mean_size()) {
                 true => None,
                 false => fill_hole(&around.standard(), &loops, obstacles, &|_| late(0.0))?.ok(),
@@ -347,10 +377,10 @@ impl<'a> Completer<'a> {
             let (guidance, candidates) = (&options.guidance, &Cell::new(0));
             let (library, from) = (&library, standard.as_ref());
             let search = Search { library, from, guidance, candidates, threads };
-            self.continue_fill(around, obstacles, fill, &search, &late)?;
+            self.continue_fill(around, obstacles, fill, options.method, &search, &late)?;
             fill.candidates = candidates.get();
             // What was copied does not know of the points; a smooth fill went through them already.
-            if fill.method == Method::Coherent {
+            if fill.method != Method::Smooth {
                 if let Err(why) = pull_fill(around, obstacles, fill, drawn, &|_| late(1.0))? {
                     filled = Err(why);
                 }
@@ -358,6 +388,56 @@ impl<'a> Completer<'a> {
         }
         let seconds = clock.elapsed().as_secs_f64();
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
+    }
+
+    /// Fills a hole with a part that lies over it whole: the one that was placed, or the first of the places
+    /// found (of a number, the one of that number) that keeps the contract.
+    fn fill_with_part(
+        &self,
+        around: &Surroundings<'_>,
+        obstacles: &Obstacles<'_>,
+        (hole, loops): (&Hole, &[Vec<u32>]),
+        options: &Options,
+        threads: usize,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<std::result::Result<Fill, String>> {
+        let library = self.library(options, &|part| check(0.3 * part))?;
+        let rim: Vec<Vec<u32>> =
+            hole.loops.iter().map(|&l| self.holes.loops[l].vertices.clone()).collect();
+        let ring = part::ring_around(around, &library, loops);
+        let at = |&v: &u32| library.known.positions[v as usize];
+        let positions: Vec<DVec3> = rim.iter().flatten().map(at).collect();
+        let target = part::target_of(&ring, &positions);
+        let guidance = &options.guidance;
+        let late = |part: f64| check(0.3 + 0.4 * part);
+        let found = guided::transforms(&library, guidance, from_ref(&target), threads, &late)?;
+        let wanted = part::Wanted {
+            mesh: self.mesh,
+            library: &library,
+            rim: &rim,
+            local: loops,
+            ring: &ring,
+        };
+        let (mut first, mut good) = (None, 0);
+        for transform in found.iter().flatten() {
+            let made = part::take_part(around, obstacles, &wanted, transform, &|| check(0.8))?;
+            match made {
+                Ok(fill) => {
+                    good += 1;
+                    if good >= guidance.candidate {
+                        return Ok(Ok(Fill { candidates: good.min(guidance.candidate), ..fill }));
+                    }
+                }
+                Err(why) => first = first.or(Some(why)),
+            }
+        }
+        Ok(Err(match (first, good) {
+            (Some(why), 0) => why,
+            (None, 0) => "no place with surroundings like its own was found: give the part's \
+                          transform"
+                .into(),
+            _ => format!("only {good} places have a part for it"),
+        }))
     }
 
     /// The smooth fills made coherent with the object (Harary et al. 2014): of each hole the most
@@ -440,14 +520,18 @@ impl<'a> Completer<'a> {
         around: &Surroundings<'_>,
         obstacles: &Obstacles<'_>,
         fill: &mut Fill,
+        method: Method,
         search: &Search<'_>,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<()> {
-        let made = coherent::complete_hole(around, fill, search, check)?;
+        let made = match method {
+            Method::Warp => warp::complete_hole(around, fill, search, check)?,
+            _ => coherent::complete_hole(around, fill, search, check)?,
+        };
         let Some((patch, story)) = made else { return Ok(()) };
         if let Ok(patch) = obstacles.settle(around, patch, &|| check(1.0))? {
             fill.coherence_error = story.coherence_error;
-            (fill.patch, fill.story, fill.method) = (patch, Some(story), Method::Coherent);
+            (fill.patch, fill.story, fill.method) = (patch, Some(story), method);
         }
         Ok(())
     }

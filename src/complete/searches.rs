@@ -16,24 +16,28 @@ pub struct Searches<T>(Mutex<Vec<(Vec<Sought>, Scales, T)>>);
 /// Least and greatest size of the sources.
 type Scales = Option<[f64; 2]>;
 
-/// All that the candidates of a window depend on, but the library and the sizes.
+/// All that the candidates of a window depend on, but the library and the sizes. (What is loose is not in the
+/// ring.)
 struct Sought {
     centre: DVec3,
     normal: DVec3,
     radius: f64,
     fill: Vec<DVec3>,
     ring: Vec<RingPoint>,
+    emphasis: f64,
 }
 
 impl Sought {
     fn of(target: &Target<'_>) -> Self {
-        let Target { centre, normal, radius, .. } = *target;
-        Self { centre, normal, radius, fill: target.fill.into(), ring: target.ring.into() }
+        let Target { centre, normal, radius, emphasis, .. } = *target;
+        let (fill, ring) = (target.fill.into(), target.ring.into());
+        Self { centre, normal, radius, fill, ring, emphasis }
     }
 
     fn is(&self, target: &Target<'_>) -> bool {
-        let Target { centre, normal, radius, fill, ring } = *target;
-        let place = (self.centre, self.normal, self.radius) == (centre, normal, radius);
+        let Target { centre, normal, radius, fill, ring, emphasis, .. } = *target;
+        let own = (self.centre, self.normal, self.radius, self.emphasis);
+        let place = own == (centre, normal, radius, emphasis);
         place && self.fill == fill && self.ring == ring
     }
 }

@@ -118,6 +118,8 @@ pub struct Fill {
 pub struct Story {
     /// For each new vertex of the patch.
     pub origins: Vec<Origin>,
+    /// See [`crate::Completion::colour_origins`].
+    pub colours: Vec<Origin>,
     /// See [`crate::HoleReport::sources`].
     pub sources: Vec<SourceReport>,
     /// See [`crate::HoleReport::seams`]; vertices are the patch's.
@@ -128,6 +130,21 @@ pub struct Story {
     pub confidence: f64,
     /// See [`crate::HoleReport::coherence_error`].
     pub coherence_error: Option<[f64; 2]>,
+}
+
+impl Story {
+    /// Of a patch that comes from nowhere.
+    pub fn nothing(patch: &Patch) -> Self {
+        Self {
+            origins: vec![Origin::NOWHERE; patch.positions.len() - patch.rim_count],
+            colours: Vec::new(),
+            sources: Vec::new(),
+            seams: Vec::new(),
+            ring: Vec::new(),
+            confidence: 0.0,
+            coherence_error: None,
+        }
+    }
 }
 
 /// Fills one hole whose loops are given in neighbourhood vertices. `check` is called between the

@@ -19,6 +19,7 @@ pub mod simplify;
 pub mod spectrum;
 #[cfg(test)]
 pub(crate) mod tests;
+pub mod voting;
 
 use crate::error::Result;
 use crate::progress::Monitor;

@@ -105,6 +105,8 @@ pub struct Sheet {
     pub band_face_count: usize,
     /// Rings of the band; the Laplacian is complete at rings below the last.
     pub rings: usize,
+    /// Of each vertex of the rim whether the fill need only be joined there; empty: nowhere.
+    pub loose: Vec<bool>,
 }
 
 impl Sheet {
@@ -132,6 +134,10 @@ impl Sheet {
             ring,
             band_face_count: band.faces.len(),
             rings,
+            loose: match near.loose.is_empty() {
+                true => Vec::new(),
+                false => band.vertices[..rim].iter().map(|&v| near.is_loose(v)).collect(),
+            },
         }
     }
 
@@ -140,9 +146,11 @@ impl Sheet {
         v >= self.rim_count && v < self.patch_count
     }
 
-    /// Whether all faces around a vertex are in the sheet.
+    /// Whether all faces around a vertex are in the sheet, and belong to one surface: a rim that is only joined
+    /// is a hinge, whose row says nothing.
     pub fn is_complete(&self, v: usize) -> bool {
-        self.is_new(v) || (self.ring[v] as usize) < self.rings
+        let inner = self.is_new(v) || (self.ring[v] as usize) < self.rings;
+        inner && !self.loose.get(v).is_some_and(|&loose| loose)
     }
 }
 

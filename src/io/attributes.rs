@@ -508,6 +508,8 @@ mod tests {
             vertices: place(&new).iter().map(|p| [p[0], p[1], 0.0]).collect(),
             vertex_hole: vec![0; new.len()],
             origins: vec![crate::Origin::NOWHERE; new.len()],
+            colour_origins: Vec::new(),
+            loose: Default::default(),
             face_hole: vec![0; faces.len()],
             faces,
             holes: Vec::new(),

@@ -51,6 +51,25 @@ impl Frame {
     }
 }
 
+impl HeightMap {
+    /// Forgets the bins of a map that reaches so far whose middles are such points.
+    pub fn forget(&mut self, reach: f64, beyond: &dyn Fn(DVec3) -> bool) {
+        let step = reach / RADII as f64;
+        for r in 0..RADII {
+            for a in 0..ANGLES {
+                let turn = (a as f64 + 0.5) / ANGLES as f64 * std::f64::consts::TAU;
+                let (at, h) = ((r as f64 + 0.5) * step, f64::from(self.height[r][a]));
+                let local = DVec3::new(at * turn.cos(), at * turn.sin(), h);
+                if self.known[r] >> a & 1 == 1
+                    && beyond(self.frame.centre + self.frame.axes * local)
+                {
+                    self.known[r] &= !(1 << a);
+                }
+            }
+        }
+    }
+}
+
 /// Radius and angle bin of a local point; `None` beyond the map.
 pub fn bin_of(local: DVec3, radius: f64) -> Option<(usize, usize)> {
     let r = local.truncate().length() / radius * RADII as f64;

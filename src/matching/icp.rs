@@ -57,34 +57,25 @@ pub enum Partner {
     Surface,
 }
 
-/// Improves a transform (source to target) by up to `steps` iterations. `radius` bounds how far a
-/// partner may lie, in mesh units; `keep` is the share of the pairs used, the nearest ones.
-pub fn align(
-    source: &Source,
-    ring: &[RingPoint],
-    start: Rigid,
-    partner: Partner,
-    steps: usize,
-    radius: f64,
-    keep: f64,
-) -> Rigid {
+/// Improves a transform (source to target) by up to `steps` iterations.
+pub fn align(ring: &[RingPoint], start: Rigid, steps: usize, pairing: &Pairing<'_>) -> Rigid {
     // From target to source: the source's trees do not move.
     let mut back = start.inverse();
     let extent = ring.iter().fold(0.0, |d: f64, (p, ..)| d.max(p.distance(ring[0].0)));
-    let still = match partner {
+    let still = match pairing.partner {
         Partner::Vertex => ROUGHLY,
         Partner::Surface => STILL,
     };
     let mut hints = vec![Hint::NOTHING; ring.len()];
     for _ in 0..steps {
-        let step = improve(source, ring, &back, partner, radius, keep, &mut hints);
+        let step = improve(ring, &back, pairing, &mut hints);
         let Some(step) = step else { break };
         let turn = (step.linear - DMat3::IDENTITY).to_cols_array();
         let turned = turn.iter().map(|x| x * x).sum::<f64>().sqrt() * extent;
         let centre = back.point(ring[0].0);
         let moved = step.point(centre).distance(centre);
         back = step.after(&back);
-        if turned + moved < still * source.edge {
+        if turned + moved < still * pairing.source.edge {
             break;
         }
     }
@@ -92,16 +83,12 @@ pub fn align(
 }
 
 fn improve(
-    source: &Source,
     ring: &[RingPoint],
     back: &Rigid,
-    partner: Partner,
-    radius: f64,
-    keep: f64,
+    pairing: &Pairing<'_>,
     hints: &mut [Hint],
 ) -> Option<Rigid> {
-    let paint = worth(source);
-    let pairing = Pairing { source, partner, radius, keep, paint };
+    let &Pairing { radius, paint, .. } = pairing;
     let (pairs, middle) = pairing.find(ring, back, hints)?;
     let (mut a, b) = normal_equations(&pairs, paint > 0.0, |p, m| {
         let c = (p - middle).cross(m);
@@ -266,10 +253,16 @@ pub fn find_partner(
 }
 
 /// How badly an aligned source fits the ring, in mesh units: root mean square distance (each at
-/// most half of `radius`) plus half an edge for each unit of disagreement of the normals.
-pub fn misfit(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f64) -> f64 {
+/// most half of `radius`) plus half an edge for each unit of disagreement of the normals. `paint`: what a
+/// difference of 1 in tint is worth, in units of the source.
+pub fn misfit(
+    source: &Source,
+    ring: &[RingPoint],
+    transform: &Rigid,
+    radius: f64,
+    paint: f64,
+) -> f64 {
     let back = transform.inverse();
-    let paint = worth(source);
     let (mut square, mut turned) = (0.0, 0.0);
     for &(p, n, tint) in ring {
         let most = 0.5 * radius;
@@ -293,6 +286,10 @@ pub fn misfit(source: &Source, ring: &[RingPoint], transform: &Rigid, radius: f6
 mod tests {
     use super::super::source::tests::{hills, hilly_source, some_transform};
     use super::*;
+
+    fn on(source: &Source, partner: Partner, radius: f64) -> Pairing<'_> {
+        Pairing { source, partner, radius, keep: KEEP, paint: 0.0 }
+    }
 
     /// A ring on the hills, moved.
     fn ring(to_target: &Rigid) -> Vec<RingPoint> {
@@ -323,14 +320,14 @@ mod tests {
             let truth = some_transform(mirrored);
             let start = disturbed(&truth, 0.17, 2.0 * source.edge);
             let ring = ring(&truth);
-            let coarse = align(&source, &ring, start, Partner::Vertex, 20, 0.2, KEEP);
-            let fine = align(&source, &ring, coarse, Partner::Surface, 15, 0.2, KEEP);
+            let coarse = align(&ring, start, 20, &on(&source, Partner::Vertex, 0.2));
+            let fine = align(&ring, coarse, 15, &on(&source, Partner::Surface, 0.2));
             let [before, first, second] = [start, coarse, fine].map(|t| off(&t, &truth));
             let edge = source.edge;
             println!("{before:.4} {first:.5} {second:.5} of an edge {edge:.4}");
             assert_eq!(fine.is_mirrored(), mirrored);
             assert!(before > edge && first < 0.2 * edge && second < 0.03 * edge);
-            let [worst, best] = [start, fine].map(|t| misfit(&source, &ring, &t, 0.2));
+            let [worst, best] = [start, fine].map(|t| misfit(&source, &ring, &t, 0.2, 0.0));
             assert!(best < 0.1 * worst, "{best} {worst}");
         }
     }
@@ -345,7 +342,7 @@ mod tests {
             p.0 += 0.15 * p.1;
         }
         let start = disturbed(&truth, 0.1, source.edge);
-        let found = align(&source, &ring, start, Partner::Surface, 20, 0.3, KEEP);
+        let found = align(&ring, start, 20, &on(&source, Partner::Surface, 0.3));
         assert!(off(&found, &truth) < 0.1 * source.edge, "{}", off(&found, &truth));
     }
 
@@ -355,8 +352,8 @@ mod tests {
         let source = hilly_source(30);
         let truth = some_transform(false);
         let start = disturbed(&truth, 0.0, 50.0);
-        let found = align(&source, &ring(&truth), start, Partner::Surface, 5, 0.2, KEEP);
+        let found = align(&ring(&truth), start, 5, &on(&source, Partner::Surface, 0.2));
         assert!(off(&found, &start) < 1e-9);
-        assert!(misfit(&source, &ring(&truth), &start, 0.2) >= 0.1);
+        assert!(misfit(&source, &ring(&truth), &start, 0.2, 0.0) >= 0.1);
     }
 }

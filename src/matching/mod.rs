@@ -13,6 +13,7 @@ pub mod patch;
 pub mod rigid;
 pub mod ring_pattern;
 pub mod search;
+pub mod signature;
 pub mod similarity;
 pub mod source;
 pub mod stretch;

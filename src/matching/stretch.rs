@@ -125,7 +125,7 @@ fn solve(pairs: &[Pair], middle: DVec3) -> Option<Rigid> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::icp::{align, KEEP};
+    use super::super::icp::{align, Pairing, KEEP};
     use super::super::source::tests::{hills, hilly_source, some_transform};
     use super::*;
 
@@ -151,7 +151,14 @@ mod tests {
                     |p: &RingPoint| t.inverse().point(p.0).distance(truth.inverse().point(p.0));
                 ring.iter().map(gap).fold(0.0, f64::max)
             };
-            let plain = align(&source, &ring, rigid, Partner::Surface, 20, 0.2, KEEP);
+            let pairing = Pairing {
+                source: &source,
+                partner: Partner::Surface,
+                radius: 0.2,
+                keep: KEEP,
+                paint: 0.0,
+            };
+            let plain = align(&ring, rigid, 20, &pairing);
             let stretched = stretch(&source, &ring, &plain, 20, 0.2, KEEP);
             println!("{:.5} {:.5} of an edge {:.5}", off(&plain), off(&stretched), source.edge);
             assert_eq!(stretched.is_mirrored(), mirrored);

@@ -73,6 +73,8 @@ pub struct Neighbourhood {
     pub positions: Positions,
     /// Local vertices of each face, in input order.
     pub faces: Vec<[u32; 3]>,
+    /// Local vertices that fills need only be joined at ([`crate::Guidance::loose`]), ascending.
+    pub loose: Vec<u32>,
 }
 
 /// Positions in mesh units, in the precision of the input: around a wide hole they are most of the mesh.
@@ -169,7 +171,7 @@ impl Neighbourhood {
             true => Positions::Single(at.map(|p| p.map(|x| x as f32)).collect()),
             false => Positions::Double(at.map(DVec3::from).collect()),
         };
-        Self { vertices, positions, faces }
+        Self { vertices, positions, faces, loose: Vec::new() }
     }
 
     /// The corners of a face.
@@ -181,6 +183,11 @@ impl Neighbourhood {
     /// The box of a face.
     fn face_box(&self, f: u32) -> Bounds {
         Bounds::of_triangle(self.corners(f))
+    }
+
+    /// Whether a fill need only be joined at a local vertex.
+    pub fn is_loose(&self, v: u32) -> bool {
+        self.loose.binary_search(&v).is_ok()
     }
 
     /// Local index of an input vertex.

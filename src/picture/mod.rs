@@ -89,14 +89,14 @@ fn draw_rows(
         let text = |word: &str| [word, label].join(if label.is_empty() { "" } else { ", " });
         [(&raw, camera, text("before")), (&filled, camera, text("after"))]
     };
-    let mut rows = vec![both(Camera::on_whole(before.mesh, front), "")];
+    let mut rows = vec![both(Camera::on_whole(after.mesh, front), "")];
     for hole in chosen {
         let label = format!("hole {}: {} edges", hole.id, hole.edges);
         rows.push(both(aim::close_up(&raw, holes, hole), &label));
         if let Some(transform) = source(hole) {
             let front = aim::source_front(before.mesh, holes, hole, &transform);
             let near = aim::source_close_up(&raw, holes, hole, &transform);
-            let whole = Camera::on_whole(before.mesh, Some(front));
+            let whole = Camera::on_whole(after.mesh, Some(front));
             rows.push([
                 (&filled, near, format!("main source of hole {}", hole.id)),
                 (&filled, whole, "the whole from its side".into()),

@@ -192,8 +192,13 @@ mod tests {
             .map(|i| if i % 2 == 0 { [i, i + 2, i + 1] } else { [i, i + 1, i + 2] })
             .chain([[6, 7, 0]])
             .collect();
-        let source =
-            |weight| SourceReport { transform: Rigid::IDENTITY, error: 0.0, weight, vertices: 1 };
+        let source = |weight| SourceReport {
+            transform: Rigid::IDENTITY,
+            error: 0.0,
+            weight,
+            vertices: 1,
+            coloured: 0,
+        };
         let copied = Origin { face: 0, barycentric: [1.0, 0.0, 0.0], source: 1, confidence: 0.9 };
         let completion = Completion {
             input_vertex_count: 8,
@@ -202,6 +207,8 @@ mod tests {
             faces: faces[6..].to_vec(),
             vertex_hole: vec![0; 2],
             origins: vec![copied, Origin::NOWHERE],
+            colour_origins: Vec::new(),
+            loose: Default::default(),
             face_hole: vec![0; 3],
             holes: vec![HoleReport {
                 hole: 0,

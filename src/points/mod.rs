@@ -115,7 +115,7 @@ pub fn complete_points_with(
     let grouping = scaffold.local_grouping(mesh, &options.grouping, monitor)?;
     let completer = Completer::new(mesh, &grouping, monitor)?.of_points();
     let (found, numbers) = scaffold.holes(completer.holes());
-    let wanted = wanted(points, &found, &options.selection)?;
+    let wanted = select_point_holes(points, &found, &options.selection)?;
     let ids: Vec<usize> = (0..numbers.len()).filter(|&h| wanted[h]).map(|h| numbers[h]).collect();
     let appearance = options.appearance.as_deref();
     let appearance = appearance.map(|a| scaffold.appearance(a, points.len(), &options.sources));
@@ -134,10 +134,17 @@ pub fn complete_points_with(
     Ok(made)
 }
 
-fn check_options(options: &Options) -> Result<()> {
+/// What a mesh's options may ask for and a cloud's may not.
+pub(crate) fn check_options(options: &Options) -> Result<()> {
     let bad = |name, reason: &str| Err(Error::InvalidOption { name, reason: reason.into() });
     if options.sources.faces.is_some() {
         return bad("sources", "a point cloud has no faces to choose");
+    }
+    if options.guidance.part {
+        return bad("part", "a part is made of triangles, which a point cloud has none of");
+    }
+    if !options.guidance.loose.is_empty() {
+        return bad("loose", "a point cloud has no rims of its own to name vertices of");
     }
     if options.initial.is_some() {
         return bad("initial", "a point cloud takes no completion to start from");
@@ -146,7 +153,11 @@ fn check_options(options: &Options) -> Result<()> {
 }
 
 /// For each hole whether it is selected; borders only if they are named.
-fn wanted(points: VertexView<'_>, found: &PointHoles, selection: &Selection) -> Result<Vec<bool>> {
+pub fn select_point_holes(
+    points: VertexView<'_>,
+    found: &PointHoles,
+    selection: &Selection,
+) -> Result<Vec<bool>> {
     let no_faces: &[[u32; 3]] = &[];
     let mesh = MeshView { vertices: points, faces: FaceView::from(no_faces) };
     let mut wanted = select_holes(mesh, &found.list, selection)?;

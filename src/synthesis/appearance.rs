@@ -23,7 +23,7 @@ use super::factor::Symmetric;
 use crate::mesh::FaceView;
 use crate::options::{Appearance, Exemplar};
 use crate::result::{Completion, Seam, NONE};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 
 /// Length over which a wrong value at the rim fades, in radii of a round hole of so many vertices.
@@ -35,9 +35,11 @@ const SCREEN: f64 = 1.5;
 
 /// Root of the share of the ring's variance that a copy leaves, up to which it is believed whole, and from
 /// which on not at all: where shape is trusted alone, and where the plate has its full say.
-const TRUSTED: (f64, f64) = (0.5, 0.8);
+pub const TRUSTED: (f64, f64) = (0.5, 0.8);
 /// What is not seen: differences of this part of the range, 8 of 255.
 const UNSEEN: f64 = 0.03;
+/// Weight of an edge to a rim vertex that values do not go on from: only where no other says anything is it heard.
+const LOOSE: f64 = 1e-6;
 /// Fewer vertices of the ring than this say nothing.
 const LEAST: usize = 12;
 
@@ -66,14 +68,16 @@ pub fn complete_rows(completion: &Completion, known: &dyn Known) -> Option<Vec<f
     let input = completion.input_vertex_count as u32;
     let mut columns: Vec<Vec<(u32, f64)>> = (0..n).map(|i| vec![(i as u32, 0.0)]).collect();
     let mut rhs = vec![vec![0.0; n]; channels];
+    let loose: HashSet<u32> = completion.loose.iter().copied().collect();
     for [a, b] in edges(completion) {
         // The new one of the two, or the first.
         let (i, j) = if a < input { (b, a) } else { (a, b) };
         let step = guide.step(i, j);
         let at = (i - input) as usize;
-        columns[at][0].1 += 1.0;
+        let weight = if loose.contains(&j) { LOOSE } else { 1.0 };
+        columns[at][0].1 += weight;
         for (c, rhs) in rhs.iter_mut().enumerate() {
-            rhs[at] += step(c) - (guide.base(i, c) - guide.base(j, c));
+            rhs[at] += weight * (step(c) - (guide.base(i, c) - guide.base(j, c)));
         }
         if let Some(other) = j.checked_sub(input) {
             let (low, high) = (at.min(other as usize), at.max(other as usize));
@@ -136,7 +140,7 @@ impl<'a> Guide<'a> {
         let (rows, own, beside) = (Vec::new(), Vec::new(), HashMap::new());
         let (groups, trust) = (groups(known), BTreeMap::new());
         let mut guide = Self { completion, known, rows, own, beside, groups, trust };
-        for origin in &completion.origins {
+        for origin in completion.colours_from() {
             let row = guide.copy(origin.face, origin.barycentric);
             guide.own.push(row.unwrap_or(usize::MAX));
         }
@@ -208,7 +212,7 @@ impl<'a> Guide<'a> {
     fn row(&self, v: u32, hole: u32, source: u32) -> Option<usize> {
         let new = v.checked_sub(self.completion.input_vertex_count as u32);
         match new.map(|i| i as usize) {
-            Some(i) if self.completion.origins[i].source == source => {
+            Some(i) if self.completion.colours_from()[i].source == source => {
                 Some(self.own[i]).filter(|&row| row != usize::MAX)
             }
             _ => self.beside.get(&[v, hole, source]).copied(),
@@ -219,7 +223,8 @@ impl<'a> Guide<'a> {
     fn step(&self, i: u32, j: u32) -> impl Fn(usize) -> f64 + '_ {
         let input = self.completion.input_vertex_count as u32;
         let hole = self.completion.vertex_hole[(i - input) as usize];
-        let source = |v: u32| Some(self.completion.origins[v.checked_sub(input)? as usize].source);
+        let from = self.completion.colours_from();
+        let source = |v: u32| Some(from[v.checked_sub(input)? as usize].source);
         let (a, b) = (source(i), source(j));
         let said = [a, b.filter(|_| b != a)].map(|source| {
             let source = source.filter(|&s| s != NONE)?;
@@ -243,7 +248,8 @@ impl<'a> Guide<'a> {
         let screen = |i: usize| match self.own[i] {
             usize::MAX => 0.0,
             _ => {
-                let alpha = self.alpha(hole(i) as u32, self.completion.origins[i].source, channel);
+                let from = self.completion.colours_from()[i].source;
+                let alpha = self.alpha(hole(i) as u32, from, channel);
                 alpha * SCREEN / ((FADE * RADIUS).powi(2) * sizes[hole(i)])
             }
         };
@@ -262,10 +268,20 @@ fn groups(known: &dyn Known) -> Vec<Range<usize>> {
     groups
 }
 
-/// How far to believe a copy, from what is known on the ring and what the copy has there, each less its
-/// mean (the rim corrects that). With a the known and b the copied rows, and ρ² = Σ |a − b|² / Σ |a|², it is
-/// 1 up to ρ = 0.5 and 0 from 0.8 on.
+/// How far to believe a copy: 1 up to ρ = 0.5 and 0 from 0.8 on, ρ what [`unlike`] says.
 fn trust(known: &[&[f64]], copied: &[&[f64]], channels: Range<usize>, ranges: &[[f64; 2]]) -> f64 {
+    let rho = unlike(known, copied, channels, ranges);
+    1.0 - ((rho - TRUSTED.0) / (TRUSTED.1 - TRUSTED.0)).clamp(0.0, 1.0)
+}
+
+/// What is known on the ring and what a copy has there, each less its mean (the rim corrects that): with a the
+/// known and b the copied rows, ρ² = Σ |a − b|² / Σ |a|². `ranges`: least and greatest of each of `channels`.
+pub fn unlike(
+    known: &[&[f64]],
+    copied: &[&[f64]],
+    channels: Range<usize>,
+    ranges: &[[f64; 2]],
+) -> f64 {
     let n = known.len() as f64;
     let (mut own, mut bare) = (0.0, 0.0);
     for (c, range) in channels.zip(ranges) {
@@ -278,8 +294,7 @@ fn trust(known: &[&[f64]], copied: &[&[f64]], channels: Range<usize>, ranges: &[
             bare += a * a;
         }
     }
-    let rho = (own / f64::max(bare, f64::MIN_POSITIVE)).sqrt();
-    1.0 - ((rho - TRUSTED.0) / (TRUSTED.1 - TRUSTED.0)).clamp(0.0, 1.0)
+    (own / f64::max(bare, f64::MIN_POSITIVE)).sqrt()
 }
 
 /// The values of a whole mesh and of its exemplar.

@@ -11,7 +11,7 @@ use crate::fill::patch::Patch;
 use crate::fill::sheet::{Band, Incidence, Laplacian, Sheet, Weights};
 use crate::matching::icp::RingPoint;
 use crate::matching::paint::Paint;
-use crate::matching::search::Target;
+use crate::matching::search::{Loose, Target};
 use crate::mesh::neighbourhood::Neighbourhood;
 use crate::mesh::normals::vertex_normals;
 use glam::DVec3;
@@ -73,6 +73,8 @@ pub struct Domain {
     pub centre: DVec3,
     /// Colours of the known vertices, by sheet vertex, if there are any.
     pub paint: Option<Paint>,
+    /// What is known and says nothing of the fill.
+    pub loose: Loose,
 }
 
 impl Domain {
@@ -115,6 +117,7 @@ impl Domain {
             edge,
             centre,
             paint: None,
+            loose: Loose::new(&sheet),
             laplacian,
             sheet,
         };
@@ -158,13 +161,17 @@ impl Domain {
             radius: self.radius,
             fill: &self.sheet.positions[self.fill.clone()],
             ring,
+            loose: self.loose.clone(),
+            emphasis: 1.0,
         }
     }
 
     fn find_ring(&self) -> Vec<usize> {
         let width = RING * self.radius;
-        let of_ring =
-            |&v: &usize| self.is_known(v) && self.rim_distance[v] <= width && self.complete[v];
+        let of_ring = |&v: &usize| {
+            let near = self.is_known(v) && self.rim_distance[v] <= width && self.complete[v];
+            near && !self.loose.beyond(self.sheet.positions[v])
+        };
         (0..self.sheet.positions.len()).filter(of_ring).collect()
     }
 
@@ -211,6 +218,7 @@ impl Domain {
             patch_count: below(self.fill.end),
             ring: members.iter().map(|&v| self.sheet.ring[v]).collect(),
             rings: self.sheet.rings,
+            loose: Vec::new(),
             positions,
             triangles,
         };
@@ -232,6 +240,7 @@ impl Domain {
             edge: self.edge,
             centre,
             paint: self.paint.as_ref().map(|p| p.part(members.iter().map(|&v| Some(v)))),
+            loose: self.loose.clone(),
             sheet,
         };
         part.ring = part.find_ring();
@@ -295,7 +304,8 @@ impl Domain {
         let faces = self.sheet.triangles[from..].iter().copied();
         let normals = vertex_normals(&self.sheet.positions, faces);
         let s2 = (SMOOTHING * self.radius).powi(2);
-        let is_data = |v: usize| of_fill || self.is_known(v);
+        let says = |v: usize| self.is_known(v) && !self.loose.beyond(self.sheet.positions[v]);
+        let is_data = |v: usize| of_fill || says(v);
         let data = |v: usize| if is_data(v) { self.laplacian.mass[v] } else { 0.0 };
         let diagonal: Vec<f64> = (0..n).map(|v| data(v) / s2).collect();
         let factor = self.membrane_energy().factor(1.0, &diagonal)?;

@@ -17,7 +17,7 @@ use crate::fill::patch::Patch;
 use crate::intersect::Bvh;
 use crate::matching::fragment::{spread, Fragment, Turned};
 use crate::matching::height_map::Frame;
-use crate::matching::icp::{align, Partner, RingPoint, KEEP};
+use crate::matching::icp::{align, worth, Pairing, Partner, RingPoint, KEEP};
 use crate::matching::rigid::Rigid;
 use crate::matching::ring_pattern::{blandness, keep_different, Candidate};
 use crate::matching::source::Source;
@@ -444,10 +444,11 @@ impl<'a> Filling<'a> {
             .map(|c| (c.transform, c.bland))
             .collect();
         starts.extend(self.neighbours(v, before).into_iter().map(|t| (t, self.bland(target, &t))));
+        let (partner, paint) = (Partner::Surface, worth(fine));
+        let pairing = Pairing { source: fine, partner, radius: 0.3 * radius, keep: KEEP, paint };
         let judged = |i: usize| {
             let (start, bland) = starts[i];
-            let steps =
-                align(fine, &target.ring, start, Partner::Surface, STEPS, 0.3 * radius, KEEP);
+            let steps = align(&target.ring, start, STEPS, &pairing);
             [start, steps].map(|t| Some((bland * self.judge(own, &t)?, t)))
         };
         let judged = parallel::map(starts.len(), self.threads, check, &judged)?;

@@ -18,7 +18,7 @@ use super::view::View;
 const SPLIT: f64 = 0.11;
 
 /// Vertices of a ring that are reported, at most about.
-const SEEN: usize = 500;
+pub const SEEN: usize = 500;
 
 /// The joined surface.
 pub struct Joined {

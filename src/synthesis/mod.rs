@@ -23,4 +23,5 @@ pub mod sampling;
 #[cfg(test)]
 mod tests;
 pub mod view;
+pub mod warp;
 pub mod window;

@@ -6,6 +6,7 @@ use super::join::join;
 use super::project::{project, Copy};
 use super::rank::{known_normals, score, weights, Scores};
 use super::view::{look, View};
+use super::warp::warp;
 use super::window::{one_window, plan_windows, Window};
 use crate::descriptor::curvature::tests::grid;
 use crate::error::Error;
@@ -68,6 +69,7 @@ impl Object {
             vertices: (0..n as u32).collect(),
             positions: Positions::Double(self.positions.clone()),
             faces: part(false).collect(),
+            ..Neighbourhood::default()
         };
         let incidence = Incidence::new(&near);
         Domain::new(&patch, &near, &incidence, &rim, edges.0 / edges.1, extent).unwrap()
@@ -383,4 +385,40 @@ fn a_copy_joined_with_itself_comes_back() {
     for (x, y) in joined.heights.iter().zip(&wanted) {
         assert!((x - y).abs() < 1e-6, "{x} {y}");
     }
+}
+
+/// Eq. 13 to 15: a patch that meets the rim stays as it is, one that lies aside is moved back as a whole,
+/// and no vertex is moved by more than the rim is.
+#[test]
+fn a_patch_is_warped_no_farther_than_its_rim() {
+    let object = Object::new(
+        grid((40, 40), (false, false), |u, v| hills(2.0 * u - 1.0, 2.0 * v - 1.0).0),
+        |p| p.truncate().length() < 0.4,
+    );
+    let domain = object.domain(Extent::Whole, |_| DVec3::ZERO);
+    let truth = &domain.sheet.positions;
+    let fill = || truth[domain.fill.clone()].iter();
+    let warped = |by: &dyn Fn(usize) -> DVec3| {
+        let laid: Vec<DVec3> = (0..truth.len()).map(|v| truth[v] + by(v)).collect();
+        warp(&domain, &laid).unwrap()
+    };
+    for by in [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.5)] {
+        assert!(warped(&|_| by).iter().zip(fill()).all(|(a, b)| a.distance(*b) < 1e-7));
+    }
+    // Detail inside, a shift of the rim: the detail stays, the shift goes.
+    let detail = |v: usize| match domain.fill.contains(&v) {
+        true => 0.01 * ((7 * v % 11) as f64 - 5.0) * DVec3::Z,
+        false => DVec3::ZERO,
+    };
+    let by = DVec3::new(0.05, 0.02, -0.04);
+    let found = warped(&|v| detail(v) + by);
+    for (i, (a, b)) in found.iter().zip(fill()).enumerate() {
+        assert!(a.distance(*b + detail(domain.fill.start + i)) < 1e-7);
+    }
+    // A rim that differs all around: the correction lies between its least and its greatest.
+    let rim = |v: usize| if domain.fill.contains(&v) { 0.0 } else { 0.1 * (v % 5) as f64 };
+    let found = warped(&|v| rim(v) * DVec3::X);
+    let moved: Vec<f64> = found.iter().zip(fill()).map(|(a, b)| a.x - b.x).collect();
+    assert!(moved.iter().all(|m| (-0.4 - 1e-9..=1e-9).contains(m)));
+    assert!(moved.iter().any(|m| *m < -0.1));
 }

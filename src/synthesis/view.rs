@@ -46,6 +46,8 @@ pub struct View<'a> {
     pub shares: Vec<f64>,
     /// 0 where the copies are trusted alone, 1 where the hidden ring decides what the smooth plate gets.
     pub doubt: f64,
+    /// Whether the shape stays the smooth one, and only the colours are copied.
+    pub is_smooth: bool,
     /// 1 / (1 + ratio²), ratio of the consensus' error to the plate's where the ring was hidden.
     pub confidence: f64,
     /// Window vertex of each fill vertex of the whole hole.
@@ -97,7 +99,8 @@ pub fn look<'a>(
         shares.iter_mut().zip(&w).for_each(|(s, w)| *s += w / n as f64);
     }
     let (mut share, ratio) = fitted.trust(&shares);
-    if ratio > HOPELESS {
+    let is_smooth = ratio > HOPELESS;
+    if is_smooth {
         if !matches_colours(domain, &copies) {
             return Ok(None);
         }
@@ -116,7 +119,18 @@ pub fn look<'a>(
     let whole_start = window.whole_start();
     domain.fill.clone().for_each(|v| own[window.parent[v] - whole_start] = Some(v));
     let confidence = 1.0 / (1.0 + ratio * ratio);
-    Ok(Some(View { window, copies, fitted, base, labels, shares, doubt, confidence, own }))
+    Ok(Some(View {
+        window,
+        copies,
+        fitted,
+        base,
+        labels,
+        shares,
+        doubt,
+        is_smooth,
+        confidence,
+        own,
+    }))
 }
 
 /// Whether some copy has on the ring what is known there, far better than one colour all over would.

@@ -13,8 +13,10 @@ import checks  # noqa: E402
 import fill_hole_coherently as addon  # noqa: E402
 import test_edit  # noqa: E402
 import test_fill  # noqa: E402
+import test_guidance  # noqa: E402
 import test_modal  # noqa: E402
 import test_painted  # noqa: E402
+import test_points  # noqa: E402
 import test_sources  # noqa: E402
 import test_trouble  # noqa: E402
 import test_undo  # noqa: E402
@@ -49,7 +51,17 @@ def test_unregistered():
 print(f"Blender {bpy.app.version_string}, Python {sys.version.split()[0]}", flush=True)
 addon.register()
 checks.run([test_registered])
-for module in (test_fill, test_painted, test_sources, test_edit, test_undo, test_trouble, test_modal):
+for module in (
+    test_fill,
+    test_painted,
+    test_points,
+    test_sources,
+    test_guidance,
+    test_edit,
+    test_undo,
+    test_trouble,
+    test_modal,
+):
     checks.run([f for name, f in vars(module).items() if name.startswith("test_")])
 checks.run([test_unregistered])
 sys.exit(checks.close())

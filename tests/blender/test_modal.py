@@ -9,6 +9,7 @@ import bpy
 import scenes
 from checks import check
 from fill_hole_coherently import operator, session
+from fill_hole_coherently.guidance import Guided
 from test_edit import edit, leave
 from test_fill import check_added, reference
 
@@ -43,11 +44,12 @@ class Driven:
     """An operator in a window."""
 
     method, density, max_edges = "COHERENT", 1.0, 0
-    source, source_group, source_object, mirror, candidate = "MESH", "", "", True, 0
-    match_colors = True
+    source, place, mirror, candidate, points_object = "MESH", "SEARCH", True, 0, ""
+    least_scale, greatest_scale, match_colors = 1.0, 1.0, True
     keep_largest_open, join_loops, skip_unsafe, write_attributes = False, True, False, True
     invoke, modal, cancel, execute = OPERATOR.invoke, OPERATOR.modal, OPERATOR.cancel, OPERATOR.execute
-    _options, _arguments, _show = OPERATOR._options, OPERATOR._arguments, OPERATOR._show
+    others, sources, guidance, points = Guided.others, Guided.sources, Guided.guidance, Guided.points
+    _arguments, _show = OPERATOR._arguments, OPERATOR._show
     _clean_up, _take, _finish, _fail = OPERATOR._clean_up, OPERATOR._take, OPERATOR._finish, OPERATOR._fail
 
     def __init__(self):

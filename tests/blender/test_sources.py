@@ -155,6 +155,12 @@ def test_no_source():
         {"source": "SELECTED"},
         {"source": "OBJECT"},
         {"source": "OBJECT", "source_object": "thing"},
+        {"source": "COLLECTION", "source_collection": "missing"},
+        {"source": "COLLECTION", "source_collection": bpy.context.collection.name},
+        {"place": "STAND"},
+        {"place": "ALIGN", "place_object": "thing"},
+        {"points_object": "missing"},
+        {"points_object": "thing"},
     ):
         check(f"{options}", fill(**options) == {"CANCELLED"})
     check("no source: the mesh is as it was", scenes.same(before, scenes.snapshot(ob)))

@@ -119,7 +119,7 @@ def test_nothing_to_fill():
 def test_no_faces():
     for data in (([], []), ([(0, 0, 0), (1, 0, 0)], [])):
         scenes.add(*data)
-        check("a mesh without faces, in words", "no faces" in complaint(), complaint())
+        check("a mesh of too few points, in words", "too few for a surface" in complaint(), complaint())
 
 
 def test_not_a_mesh():

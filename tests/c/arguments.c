@@ -53,6 +53,11 @@ static void null_accessors(void) {
   CHECK(complete_mesh_holes_inconsistent_edges(NULL, &n) == NULL && n == 0);
   CHECK(complete_mesh_holes_degenerate_faces(NULL, &n) == NULL && n == 0);
   CHECK(complete_mesh_holes_duplicate_vertices(NULL, NULL) == NULL);
+  CHECK(complete_mesh_holes_spacing(NULL) == 0);
+  CHECK(complete_mesh_holes_ignored_points(NULL, 0, &n) == NULL && n == 0);
+  CHECK(complete_mesh_result_new_vertex_source_points(NULL) == NULL);
+  CHECK(complete_mesh_result_new_vertex_normals(NULL) == NULL);
+  CHECK(complete_mesh_result_new_vertex_values(NULL) == NULL);
   complete_mesh_result_free(NULL);
   complete_mesh_holes_free(NULL);
   complete_mesh_completer_free(NULL);
@@ -72,6 +77,12 @@ static void null_entries(void) {
   CHECK(run(ball.vertices, VERTICES, NULL, 0, NULL) == COMPLETE_MESH_STATUS_INVALID_MESH);
   CHECK(complete_mesh_find_holes(NULL, 1, ball.faces[0], FACES, NULL, &holes) == bad && !holes);
   CHECK(complete_mesh_find_holes(ball.vertices, VERTICES, ball.faces[0], FACES, NULL, NULL) == bad);
+  CHECK(complete_mesh_points(NULL, 3, NULL, NULL, &result) == bad && !result);
+  CHECK(complete_mesh_points(ball.vertices, VERTICES, NULL, NULL, NULL) == bad);
+  holes = NOT_NULL(complete_mesh_holes);
+  CHECK(complete_mesh_find_point_holes(NULL, 3, NULL, NULL, &holes) == bad && !holes);
+  CHECK(complete_mesh_find_point_holes(ball.vertices, VERTICES, NULL, NULL, NULL) == bad);
+  CHECK(message_has("holes is NULL"));
   CHECK(complete_mesh_completer_new(NULL, 1, ball.faces[0], FACES, NULL, &completer) == bad);
   CHECK(completer == NULL);
   CHECK(complete_mesh_completer_new(ball.vertices, 3, ball.faces[0], FACES, NULL, NULL) == bad);
@@ -147,7 +158,7 @@ void test_enums(void) {
   const complete_mesh_status range = COMPLETE_MESH_STATUS_INVALID_OPTION;
   complete_mesh_options opts;
   REFUSED(vertex_type, COMPLETE_MESH_VERTEX_TYPE_F64 + 1);
-  REFUSED(method, COMPLETE_MESH_METHOD_FRAGMENT + 1);
+  REFUSED(method, COMPLETE_MESH_METHOD_WARP + 1);
   REFUSED(fairing, COMPLETE_MESH_FAIRING_SMOOTHED_PLATE + 1);
   REFUSED(sizing, COMPLETE_MESH_SIZING_NONE + 1);
   REFUSED(grouping, COMPLETE_MESH_GROUPING_JOIN + 1);

@@ -125,7 +125,7 @@ static void candidates(void) {
     CHECK(complete_mesh_completer_complete(completer, &opts, &result) == COMPLETE_MESH_STATUS_OK);
     source = main_source(result, &hole);
     count = hole.candidate_count;
-    CHECK(hole.reserved == 0);
+    CHECK(hole.is_border == 0 && hole.detectors_asked == 0);
     if (FINE && opts.candidate <= count) {
       CHECK(hole.source_count == 1 && fabs(source.weight - 1) < 1e-9);
       CHECK(memcmp(source.transform, last.transform, sizeof last.transform) != 0);
@@ -197,7 +197,21 @@ static void refused(complete_mesh_options opts, complete_mesh_status expected, c
   CHECK(result == NULL && strstr(complete_mesh_last_error_message(), name) != NULL);
 }
 
+/* The twin's own vertices and triangles. */
+static void part(void) {
+  complete_mesh_options opts = with_twin(1, 1);
+  complete_mesh_result *result;
+  double rows[12];
+  way_back(rows, 1, 1);
+  opts.placement = rows;
+  opts.part = 1;
+  result = complete_bumpy(&opts);
+  CHECK(error_of(result) < 1e-4);
+  complete_mesh_result_free(result);
+}
+
 static void errors(void) {
+  const uint32_t nowhere[1] = {UINT32_MAX};
   const complete_mesh_status option = COMPLETE_MESH_STATUS_INVALID_OPTION;
   const double far[3] = {0, 0, 30};
   const uint32_t sizes[2] = {5, 5};
@@ -225,6 +239,15 @@ static void errors(void) {
   opts = defaults();
   opts.softness = 2;
   refused(opts, option, "softness");
+  opts = defaults();
+  opts.loose_count = 1;
+  refused(opts, COMPLETE_MESH_STATUS_INVALID_ARGUMENT, "loose_vertices is NULL");
+  opts.loose_vertices = nowhere;
+  refused(opts, option, "on no rim");
+  opts = defaults();
+  opts.part = 1;
+  opts.method = COMPLETE_MESH_METHOD_WARP;
+  refused(opts, option, "part");
   opts = with_twin(0, 1);
   opts.exemplar_part_count = 2;
   refused(opts, COMPLETE_MESH_STATUS_INVALID_ARGUMENT, "exemplar_parts is NULL");
@@ -248,5 +271,6 @@ void test_guidance(void) {
   candidates();
   points();
   parts();
+  part();
   errors();
 }

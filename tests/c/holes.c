@@ -31,6 +31,9 @@ static void check_measures(const complete_mesh_holes *holes, uint32_t expected_s
   CHECK(patch.circumference < cap.circumference && patch.diameter < cap.diameter);
   CHECK(patch.centre[0] > 0.6 && fabs(patch.centre[2]) < 0.1);
   CHECK(cap.is_unsafe == 0 && strcmp(complete_mesh_holes_reason(holes, 0), "") == 0);
+  CHECK(cap.is_border == 0 && cap.detectors_asked == 0 && cap.detectors_agreed == 0);
+  CHECK(isnan(cap.boundary_probability) && isnan(cap.missing_points));
+  CHECK(complete_mesh_holes_spacing(holes) == 0);
   CHECK(runs_through(holes, 0, 0, AROUND));
   CHECK(complete_mesh_holes_loop(holes, 1, 0, &n) != NULL && n == PATCH_EDGES);
   CHECK(complete_mesh_holes_loop(holes, 1, 1, &n) == NULL && n == 0);

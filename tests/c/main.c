@@ -76,6 +76,7 @@ int main(int argc, char **argv) {
   test_provenance();
   test_sources();
   test_guidance();
+  test_points();
   if (!memory_only) {
     test_versions();
     test_values();

@@ -21,6 +21,7 @@ void test_panic(void);
 void test_provenance(void);
 void test_sources(void);
 void test_guidance(void);
+void test_points(void);
 
 /* Made once by main: with two holes, and with MANY + 1. */
 extern struct ball ball, sieve;

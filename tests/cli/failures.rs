@@ -74,7 +74,7 @@ fn invalid_meshes_and_options_are_4_and_write_nothing() {
         ("fill nan.ply -o out.ply", "vertex 1"),
         // Without faces it is a cloud.
         ("fill empty.ply -o out.ply", "6 points lie on no surface"),
-        ("fill in.ply -o out.ply --method warp --report r.json", "warp"),
+        ("fill in.ply -o out.ply --method warp --scale 1,2 --report r.json", "warp"),
         ("fill in.ply -o out.ply --holes 7", "hole 7"),
         ("fill in.ply -o out.ply --edge-scale 100", "100"),
         ("fill in.ply -o out.ply --max-length -1", "-1"),
@@ -112,7 +112,7 @@ fn json_errors_have_the_exit_code() {
     place.write("in.ply", &open_octahedron());
     for (code, line) in [
         (3, "fill none.ply -o out.ply --json"),
-        (4, "fill in.ply -o out.ply --json --method warp"),
+        (4, "fill in.ply -o out.ply --json --edge-scale 100"),
         (4, "--json fill in.ply -o out.ply --holes 3"),
     ] {
         let (stdout, _) = place.expect(code, line);

@@ -35,7 +35,11 @@ fn fill(mesh: &Mesh, appearance: &Appearance, sources: Sources) -> (Completion, 
 }
 
 /// Root mean square and greatest difference from the colour that belongs to the place.
-fn off(made: &Completion, values: &[f64], truth: &dyn Fn(DVec3) -> Vec<f64>) -> (f64, f64) {
+pub(crate) fn off(
+    made: &Completion,
+    values: &[f64],
+    truth: &dyn Fn(DVec3) -> Vec<f64>,
+) -> (f64, f64) {
     let rows = values.chunks_exact(values.len() / made.vertices.len());
     let differences: Vec<f64> = (made.vertices.iter().zip(rows))
         .flat_map(|(&p, row)| truth(p.into()).into_iter().zip(row).map(|(x, y)| x - y))

@@ -139,6 +139,8 @@ fn the_papers_methods_keep_the_contract_on_any_number_of_threads() {
         (Sample::Vessel, Break::Disc, Method::Harary),
         (Sample::Column, Break::Several, Method::Fragment),
         (Sample::Vessel, Break::Disc, Method::Fragment),
+        (Sample::Column, Break::Several, Method::Warp),
+        (Sample::Vessel, Break::Disc, Method::Warp),
     ] {
         let (_, left) = broken(sample, kind, 0);
         let copy = double(&left);

@@ -21,7 +21,7 @@ fn relief(p: DVec2) -> f64 {
 }
 
 /// The relief on a lattice over a square, without the faces that reach into a disc.
-fn broken_relief() -> Mesh {
+pub(crate) fn broken_relief() -> Mesh {
     let step = 2.0 * WIDTH / (SIDE - 1) as f64;
     let at = |k: usize| {
         let p = DVec2::new((k % SIDE) as f64, (k / SIDE) as f64) * step - WIDTH;
@@ -45,7 +45,7 @@ fn broken_relief() -> Mesh {
 }
 
 /// Root mean square height of the new vertices in the disc over the true relief.
-fn rms(made: &Completion) -> f64 {
+pub(crate) fn rms(made: &Completion) -> f64 {
     let inner: Vec<f64> = made
         .vertices
         .iter()
@@ -57,7 +57,7 @@ fn rms(made: &Completion) -> f64 {
     (inner.iter().sum::<f64>() / inner.len() as f64).sqrt()
 }
 
-fn options(method: Method) -> Options {
+pub(crate) fn options(method: Method) -> Options {
     let selection = complete_mesh::Selection::NearPoint([0.0, RADIUS, 0.0]);
     Options { method, selection, ..Options::default() }
 }

@@ -19,7 +19,7 @@ fn fill(mesh: &Mesh, sources: Sources) -> Completion {
     complete_checked(mesh, &Options { sources, ..Options::default() })
 }
 
-fn moved(mesh: &Mesh, mirrored: bool) -> Exemplar {
+pub(crate) fn moved(mesh: &Mesh, mirrored: bool) -> Exemplar {
     let turn = DMat3::from_axis_angle(DVec3::new(0.2, 0.9, -0.5).normalize(), 2.1);
     let flip = DMat3::from_diagonal(DVec3::new(if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0));
     let to = DVec3::new(3.0, -7.0, 0.5);

@@ -118,6 +118,20 @@ void check_points() {
   CHECK(mc::complete(mesh, options).filled_count() == 2);
 }
 
+// The twin's own vertices; and rim vertices that are none.
+void check_part() {
+  const Ball<double> ball = broken<double>();
+  const auto mesh = mc::view(ball.vertices, ball.faces);
+  mc::Options options;
+  options.part = true;
+  options.method = mc::Method::warp;
+  CHECK(mc::try_complete(mesh, options).status() == mc::Status::invalid_option);
+  options.part = false;
+  CHECK(mc::complete(mesh, options).filled_count() == 2);
+  options.loose_vertices = {UINT32_MAX};
+  CHECK(mc::try_complete(mesh, options).status() == mc::Status::invalid_option);
+}
+
 }  // namespace
 
 void test_guidance() {
@@ -130,4 +144,5 @@ void test_guidance() {
   check_candidates();
   check_points<float>();
   check_points<double>();
+  check_part();
 }

@@ -157,6 +157,35 @@ void check_lifetime() {
   CHECK(same_bytes(copy.new_vertices(), before.data(), before.size(), 12));
 }
 
+// The list of a cloud's holes is that of the C call, and its rim runs round the cap.
+template <class Scalar>
+void check_listed(const mc::MeshView<Scalar>& cloud, const Scalar* normals,
+                  const complete_mesh_options& opts) {
+  complete_mesh_holes* c = nullptr;
+  CHECK(complete_mesh_find_point_holes(cloud.vertices, cloud.vertex_count, normals, &opts, &c) ==
+        COMPLETE_MESH_STATUS_OK);
+  const mc::Holes holes = mc::list_point_holes(cloud, normals);
+  std::size_t n = 0;
+  const std::uint32_t* rim = complete_mesh_holes_loop(c, 0, 0, &n);
+  CHECK(holes.size() == 1 && same_bytes(holes.loop(0, 0), rim, n, 4));
+  for (const std::uint32_t v : holes.loop(0, 0)) {
+    const double z = cloud.vertices[3 * v + 2];
+    CHECK(z <= 0.92 && z > 0.85);
+  }
+  complete_mesh_hole hole;
+  complete_mesh_holes_get(c, 0, &hole, sizeof hole);
+  CHECK(holes[0].boundary_probability == hole.boundary_probability && hole.boundary_probability > 0.4);
+  CHECK(holes[0].missing_points == hole.missing_points && std::abs(hole.missing_points - 80) < 16);
+  CHECK(holes[0].agreed() && holes[0].is_found_by(mc::Detector::boundary) && !holes[0].is_border);
+  CHECK(holes[0].status == mc::HoleStatus::open && holes[0].detectors_asked == hole.detectors_asked);
+  CHECK(holes.spacing() == complete_mesh_holes_spacing(c) && std::abs(holes.spacing() - 0.09) < 0.02);
+  CHECK(holes.ignored_points(mc::Ignored::outlier).empty());
+  complete_mesh_holes_free(c);
+  mc::MeshView<Scalar> less = cloud;
+  less.vertex_count = 2;
+  CHECK(mc::try_list_point_holes(less).failure().status == mc::Status::invalid_mesh);
+}
+
 // Points of the unit sphere on a spiral, the cap at its top missing.
 template <class Scalar>
 void check_points() {
@@ -192,6 +221,7 @@ void check_points() {
     CHECK(p[2] > 0.9 && m[0] * p[0] + m[1] * p[1] + m[2] * p[2] < -0.95);
   }
   complete_mesh_result_free(c);
+  check_listed(cloud, inward[0].data(), opts);
   const Ball<Scalar> ball = make_ball_of<Scalar>();
   const auto mesh = mc::complete(mc::view(ball.vertices, ball.faces));
   CHECK(mesh.new_point_normals().size() == 0 && mesh.new_point_source_points().size() == 0);

@@ -32,6 +32,8 @@ pub fn floor() -> Completion {
             source: 1,
             confidence: 0.75,
         }],
+        colour_origins: Vec::new(),
+        loose: Default::default(),
         face_hole: vec![7; 4],
         holes: Vec::new(),
         seconds: 0.0,

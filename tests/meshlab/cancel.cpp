@@ -70,7 +70,7 @@ void check_faces(const CMeshO& mesh) {
   CHECK(wrong == 0);
 }
 
-RichParameterList defaults() {
+RichParameterList defaults(MeshDocument& document) {
   RichParameterList list;
   list.addParam(RichInt("MaxHoleSize", 0, "", ""));
   list.addParam(RichBool("Selected", false, "", ""));
@@ -79,6 +79,14 @@ RichParameterList defaults() {
   list.addParam(RichFloat("EdgeScale", 1, "", ""));
   list.addParam(RichBool("SkipUnsafe", false, "", ""));
   list.addParam(RichEnum("Color", 0, QStringList() << "With the shape", "", ""));
+  list.addParam(RichBool("Mirror", true, "", ""));
+  list.addParam(RichInt("Candidate", 0, "", ""));
+  list.addParam(RichMesh("Source", document.mm(), &document, "", ""));
+  list.addParam(RichFloat("LeastScale", 1, "", ""));
+  list.addParam(RichFloat("GreatestScale", 1, "", ""));
+  list.addParam(RichEnum("Place", 0, QStringList() << "Searched for", "", ""));
+  list.addParam(RichMesh("Points", document.mm(), &document, "", ""));
+  list.addParam(RichFloat("Softness", 0, "", ""));
   return list;
 }
 
@@ -89,11 +97,11 @@ int main() {
   MeshModel& model = *document.addNewMesh("", "ball");
   add_ball(model.cm);
   mark_faces(model);
-  const RichParameterList parameters = defaults();
+  const RichParameterList parameters = defaults(document);
   bool finished = false;
   for (stop_at = 1; !finished && stop_at < 1000; ++stop_at) {
     calls = 0;
-    const Outcome outcome = fill_holes(model, parameters, on_progress);
+    const Outcome outcome = fill_holes(document, parameters, on_progress);
     finished = calls < stop_at;
     CHECK(outcome.error.empty() == finished);
     CHECK(finished || (calls == stop_at && outcome.error.find("cancel") != std::string::npos));

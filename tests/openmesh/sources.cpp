@@ -1,6 +1,7 @@
 // What may be copied from, and an initial completion, in the mesh's own handles: with deleted elements
 // in front of them, numbers and handles differ.
 #include <algorithm>
+#include <cmath>
 
 #include "suite.hpp"
 
@@ -123,6 +124,61 @@ void check_exemplar() {
   CHECK(wrong == 0);
 }
 
+// How far new vertices are from a ball with bumps that only its twin shows.
+template <class Mesh>
+double off_twin(const Mesh& mesh, const om::Fill<Mesh>& fill, const struct whole_ball& whole) {
+  std::vector<float> places;
+  for (const VertexHandle v : fill.vertices) {
+    // the patch has too few vertices to be anything but smooth
+    if (!(mesh.point(v)[2] > 0.8)) continue;
+    for (std::size_t k = 0; k < 3; ++k) places.push_back(static_cast<float>(mesh.point(v)[k]));
+  }
+  CHECK(!places.empty());
+  return off_whole(&whole, places.data(), places.size() / 3);
+}
+
+// The options that guide a fill reach it: a twin placed by hand, one of another size, a point.
+template <class Mesh>
+void check_guidance() {
+  static struct ball ball;
+  static struct whole_ball whole;
+  make_ball(&ball, 1);
+  add_bumps(ball.vertices, VERTICES);
+  make_whole_ball(&whole);
+  add_bumps(whole.vertices, WHOLE_VERTICES);
+  Mesh bumpy = Damaged<Mesh>().mesh;
+  for (int v = 0; v < VERTICES; ++v)
+    for (std::size_t k = 0; k < 3; ++k)
+      bumpy.point(VertexHandle(v))[k] = ball.vertices[v][k];
+  mc::Options options;
+  options.exemplar = mc::surface(whole.vertices, whole.faces);
+  for (auto& p : options.exemplar.vertices)
+    for (double& x : p) x = 2 * x + 6;
+  options.exemplar_only = true;
+  Mesh smooth = bumpy, placed = bumpy, scaled = bumpy;
+  const double without = off_twin(smooth, om::complete(smooth, options), whole);
+  options.placement = {{0.5, 0, 0, -3, 0, 0.5, 0, -3, 0, 0, 0.5, -3}};
+  const auto by_hand = om::complete(placed, options);
+  CHECK(off_twin(placed, by_hand, whole) < 1e-4 && without > 1e-3);
+  // deleting a vertex has made a third hole; the cap is the one with the most vertices
+  std::size_t from_there = 0;
+  for (const mc::Hole& hole : by_hand.result.holes()) from_there += hole.source_count == 1;
+  CHECK(from_there > 0);
+  options.placement.reset();
+  options.scale_range = {{0.45, 0.55}};
+  CHECK(off_twin(scaled, om::complete(scaled, options), whole) < 0.2 * without);
+  mc::Options through;
+  through.method = mc::Method::smooth;
+  through.constraint_points = {{0, 0, 1.3}};
+  const auto bump = om::complete(bumpy, through);
+  double nearest = 9;
+  for (const VertexHandle v : bump.vertices) {
+    const auto& p = bumpy.point(v);
+    nearest = std::min(nearest, double(std::sqrt(p[0] * p[0] + p[1] * p[1] + (p[2] - 1.3) * (p[2] - 1.3))));
+  }
+  CHECK(nearest < 0.15);
+}
+
 // A grey mesh whose exemplar is brighter: at the rim what is known there, farther in what the exemplar
 // has, as it comes from the library and not from the rim.
 template <class Mesh>
@@ -159,6 +215,7 @@ void test_sources() {
   check_source_faces<Mesh>();
   check_initial<Mesh>();
   check_exemplar<Mesh>();
+  check_guidance<Mesh>();
   check_colours_of_exemplar<Mesh>();
 }
 

@@ -89,7 +89,7 @@ def test_option_out_of_range(broken, options):
 @pytest.mark.parametrize(
     "options, words",
     [
-        ({"method": "coherrent"}, "smooth, coherent, harary, fragment"),
+        ({"method": "coherrent"}, "smooth, coherent, harary, fragment, warp"),
         ({"fairing": "c3"}, "c0, c1, c2"),
         ({"sizing": "fine"}, "surroundings"),
         ({"grouping": "no"}, "separate"),

@@ -8,7 +8,7 @@ from meshes import WINDOWS, boundary_edges, column_radius, octahedron, positions
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-@pytest.mark.parametrize("method", ["coherent", "smooth", "harary", "fragment"])
+@pytest.mark.parametrize("method", ["coherent", "smooth", "harary", "fragment", "warp"])
 def test_input_comes_first_and_the_fill_closes_it(broken, dtype, method):
     vertices, faces = broken[0].astype(dtype), broken[1]
     result = complete_mesh(vertices, faces, method=method)
@@ -51,6 +51,7 @@ OPTIONS = [
     ({"method": "smooth"}, ["--method", "smooth"]),
     ({"method": "harary"}, ["--method", "harary"]),
     ({"method": "fragment"}, ["--method", "fragment"]),
+    ({"method": "warp"}, ["--method", "warp"]),
     *(
         ({"method": "smooth", "fairing": name}, ["--method", "smooth", "--fairing", name.replace("_", "-")])
         for name in ("none", "c0", "c1", "c2", "least_squares", "smoothed_plate")

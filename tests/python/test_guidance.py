@@ -88,6 +88,35 @@ def test_exemplar_parts(broken):
     assert from_twin.mean() > 0.9
 
 
+def test_part(broken):
+    """The pieces of a twin, with its vertices and triangles."""
+    exemplar, matrix = twin()
+    made = complete_mesh(*broken, **exemplar, placement=matrix, part=True)
+    whole = {tuple(p) for p in column(windows=())[0].round(6)}
+    new = [tuple(p) for p in made.new_vertices.round(6)]
+    assert len(new) > 30 and sum(p in whole for p in new) > 0.9 * len(new)
+    assert (made.new_vertex_source_faces >= len(broken[1])).all()
+    with pytest.raises(CompleteMeshError, match="part"):
+        complete_mesh(*broken, method="smooth", part=True)
+
+
+def test_loose_vertices():
+    """A sheet folded at the right side of its hole: the fill lies in the plane of the other sides."""
+    grid = np.arange(441)
+    x, y = (grid % 21).astype(float), (grid // 21).astype(float)
+    vertices = np.stack([np.minimum(x, 10), y, np.maximum(x - 10, 0)], axis=1)
+    cells = [(i, j) for j in range(20) for i in range(20) if not (4 <= i < 10 and 6 <= j < 14)]
+    corners = [(j * 21 + i, j * 21 + i + 1, (j + 1) * 21 + i + 1, (j + 1) * 21 + i) for i, j in cells]
+    faces = np.array([t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))])
+    options = {"method": "smooth", "fairing": "c1", "selection": "all_but_largest"}
+    pulled = complete_mesh(vertices, faces, **options)
+    loose = [j * 21 + 10 for j in range(6, 15)]
+    kept = complete_mesh(vertices, faces, loose_vertices=loose, **options)
+    assert np.abs(kept.new_vertices[:, 2]).max() < 1e-6 < 0.1 < np.abs(pulled.new_vertices[:, 2]).max()
+    with pytest.raises(CompleteMeshError, match="vertex 0 is on no rim|vertex 22 is on no rim"):
+        complete_mesh(vertices, faces, loose_vertices=[22], **options)
+
+
 def test_guidance_that_cannot_be(broken):
     for matrix in (np.eye(3), np.ones((4, 4)), [1, 2]):
         with pytest.raises(ValueError, match="placement"):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from complete_mesh import CompleteMeshError, Status, complete_points
+from complete_mesh import CompleteMeshError, Status, complete_points, list_holes
 from conftest import same
 
 HOLES = (([1, 0, 0], 0.35), ([0, -0.6, 0.8], 0.25))
@@ -84,6 +84,60 @@ def test_cleaning(cloud):
     assert complete_points(cloud, method="smooth").cleaned_points is None
     with pytest.raises(CompleteMeshError, match="clean"):
         complete_points(rough, clean=101)
+
+
+def test_listed_holes(cloud):
+    """Each rim is the points along the edge of what was taken out, and all detectors find it."""
+    holes = list_holes(cloud)
+    assert len(holes) == 2 and abs(holes.spacing - 0.075) < 0.015
+    assert [len(points) for points in holes.ignored_points.values()] == [0, 0, 0]
+    for hole in holes:
+        centre, radius = min(HOLES, key=lambda h: np.linalg.norm(hole.centre - h[0]))
+        near = np.linalg.norm(cloud - centre, axis=1)
+        (loop,) = hole.loops
+        assert near[loop].max() < radius + 1.5 * holes.spacing
+        assert set(np.flatnonzero(near < radius + 0.2 * holes.spacing)) <= set(loop)
+        assert np.linalg.norm(hole.centre - centre) < 0.1
+        taken = 3000 * radius**2 / 4  # the share of a cap of chord r is r^2 / 4
+        assert abs(hole.missing_points - taken) < 0.2 * taken
+        assert hole.boundary_probability > 0.4 and hole.status == "open" and not hole.is_border
+        assert hole.agreed and hole.detectors_asked == ("surface", "boundary")
+    for hole, filled in zip(holes, complete_points(cloud, method="smooth").holes):
+        assert np.array_equal(hole.loops[0], filled.loops[0])
+        assert filled.detectors_asked == filled.detectors_agreed == ("surface",)
+
+
+def relief():
+    """A waving hexagonal lattice of spacing 1 with a hole of radius 5."""
+    j, i = np.divmod(np.arange(1600), 40)
+    x, y = i + 0.5 * (j % 2), j * np.sqrt(0.75)
+    points = np.stack([x, y, 0.3 * np.sin(0.2 * x)], axis=1)
+    return points[np.hypot(x - 20, y - 17) >= 5]
+
+
+def test_listed_border_and_ignored_points():
+    """The edge of a relief is a border, which is chosen only by its name."""
+    points = relief()
+    points = np.concatenate([points, np.full((1, 3), np.nan), [[60, 60, 60]], points[3:4]])
+    holes = list_holes(points, normals=np.tile([0, 0, 1], (len(points), 1)))
+    (border,) = [hole for hole in holes if hole.is_border]
+    assert border.status == "not_selected" and len(holes) == 2 and "border" in str(border)
+    edge = points[border.loops[0]]
+    at_edge = (edge[:, 0] < 0.6) | (edge[:, 0] > 38.9) | (edge[:, 1] < 0.1) | (edge[:, 1] > 33.7)
+    assert at_edge.all() and len(edge) > 110
+    named = list_holes(points, selection="ids", selection_ids=[border.id])
+    assert [hole.status == "open" for hole in named] == [hole.is_border for hole in holes]
+    n = len(points)
+    assert holes.ignored_points["missing"].tolist() == [n - 3]
+    assert holes.ignored_points["outlier"].tolist() == [n - 2]
+    assert holes.ignored_points["duplicate"].tolist() == [n - 1]
+
+
+def test_a_mesh_has_no_detectors(broken):
+    for hole in list_holes(*broken):
+        assert hole.detectors_asked == () and np.isnan(hole.boundary_probability)
+    with pytest.raises(ValueError, match="normals"):
+        list_holes(*broken, normals=broken[0])
 
 
 def test_errors(cloud):

@@ -128,6 +128,9 @@ class Call {
         options.constraint_points.empty() ? nullptr : options.constraint_points[0].data();
     c_.constraint_count = options.constraint_points.size();
     c_.softness = options.softness;
+    c_.part = options.part;
+    c_.loose_vertices = options.loose_vertices.empty() ? nullptr : options.loose_vertices.data();
+    c_.loose_count = options.loose_vertices.size();
     if (!options.scale_range) return;
     c_.least_scale = (*options.scale_range)[0];
     c_.greatest_scale = (*options.scale_range)[1];

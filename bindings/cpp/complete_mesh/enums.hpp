@@ -30,7 +30,8 @@ enum class Method : std::uint32_t {
   smooth = COMPLETE_MESH_METHOD_SMOOTH,
   coherent = COMPLETE_MESH_METHOD_COHERENT,
   harary = COMPLETE_MESH_METHOD_HARARY,
-  fragment = COMPLETE_MESH_METHOD_FRAGMENT
+  fragment = COMPLETE_MESH_METHOD_FRAGMENT,
+  warp = COMPLETE_MESH_METHOD_WARP
 };
 
 enum class Fairing : std::uint32_t {
@@ -85,6 +86,18 @@ enum class HoleStatus : std::uint32_t {
   not_selected = COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED,
   unsafe = COMPLETE_MESH_HOLE_STATUS_UNSAFE,
   failed = COMPLETE_MESH_HOLE_STATUS_FAILED
+};
+
+// Bits of Hole::detectors_asked and detectors_agreed.
+enum class Detector : std::uint32_t {
+  surface = COMPLETE_MESH_DETECTOR_SURFACE,
+  boundary = COMPLETE_MESH_DETECTOR_BOUNDARY
+};
+
+enum class Ignored : std::uint32_t {
+  missing = COMPLETE_MESH_IGNORED_MISSING,
+  duplicate = COMPLETE_MESH_IGNORED_DUPLICATE,
+  outlier = COMPLETE_MESH_IGNORED_OUTLIER
 };
 
 inline const char* to_string(Status status) {

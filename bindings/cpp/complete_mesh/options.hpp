@@ -166,6 +166,10 @@ struct Options {
   std::vector<std::array<double, 3>> constraint_points = {};
   // How far fills may stay off the points, 0 to 1.
   double softness = 0;
+  // Take a missing part whole, with the source's own triangles: a hand, a foot, a spout.
+  bool part = false;
+  // Vertices of rims where the fill need only be joined, and goes on from nothing beyond them.
+  std::vector<std::uint32_t> loose_vertices = {};
   // Of a point cloud: complete a cleaned copy, without outliers, its noise smoothed so many times, 3 as a
   // rule; empty: the points as they are. See Result::cleaned_points.
   std::optional<std::uint32_t> clean = {};

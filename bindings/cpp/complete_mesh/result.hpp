@@ -41,6 +41,18 @@ struct Hole {
   double coherence_error_before;
   double coherence_error_after;
   std::uint32_t candidate_count;
+  // Of a cloud.
+  bool is_border;
+  std::uint32_t detectors_asked;
+  std::uint32_t detectors_agreed;
+  double boundary_probability;
+  double missing_points;
+
+  bool is_found_by(Detector detector) const {
+    return (detectors_agreed & static_cast<std::uint32_t>(detector)) != 0;
+  }
+  // Whether all detectors find it that were asked.
+  bool agreed() const { return detectors_agreed == detectors_asked; }
 };
 
 // See complete_mesh_source.
@@ -62,7 +74,7 @@ struct Source {
   }
 };
 
-// The holes of a mesh, by id, and everything odd that was found at its boundary.
+// The holes of a mesh or a cloud, by id, and everything odd that was found there.
 class Holes {
  public:
   using iterator = detail::IndexIterator<Holes>;
@@ -78,7 +90,8 @@ class Holes {
             c.loop_count, c.edge_count, c.circumference, c.diameter,
             {c.centre[0], c.centre[1], c.centre[2]}, c.first_new_vertex, c.new_vertex_count,
             c.first_new_face, c.new_face_count, c.seconds, c.source_count, c.confidence,
-            c.coherence_error_before, c.coherence_error_after, c.candidate_count};
+            c.coherence_error_before, c.coherence_error_after, c.candidate_count, c.is_border != 0,
+            c.detectors_asked, c.detectors_agreed, c.boundary_probability, c.missing_points};
   }
   iterator begin() const { return iterator(this, 0); }
   iterator end() const { return iterator(this, size()); }
@@ -120,6 +133,15 @@ class Holes {
   }
   Rows<std::uint32_t, 2> duplicate_vertices() const {
     return listed<Rows<std::uint32_t, 2>>(complete_mesh_holes_duplicate_vertices);
+  }
+  // Of a cloud; 0 for a mesh.
+  double spacing() const { return complete_mesh_holes_spacing(get()); }
+  // Points of a cloud that were not looked at.
+  View<std::uint32_t> ignored_points(Ignored kind) const {
+    std::size_t n = 0;
+    const std::uint32_t* p =
+        complete_mesh_holes_ignored_points(get(), static_cast<std::uint32_t>(kind), &n);
+    return {p, n};
   }
   const complete_mesh_holes* get() const { return holes_.get(); }
 

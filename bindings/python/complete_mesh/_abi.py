@@ -13,7 +13,7 @@ F32, F64 = 0, 1
 OUTPUT_NEW_ONLY = 1
 VERTEX, EDGE, FACE, HOLE = 0, 1, 2, 3
 
-METHODS = ("smooth", "coherent", "harary", "fragment")
+METHODS = ("smooth", "coherent", "harary", "fragment", "warp")
 FAIRINGS = ("auto", "none", "c0", "c1", "c2", "least_squares", "smoothed_plate")
 SIZINGS = ("surroundings", "scaled", "edge_length", "none")
 GROUPINGS = ("automatic", "separate", "join")
@@ -28,6 +28,8 @@ SELECTIONS = (
     "near_vertices",
 )
 HOLE_KINDS = ("disc", "islands", "ring", "several")
+DETECTORS = ("surface", "boundary")
+IGNORED = ("missing", "duplicate", "outlier")
 HOLE_STATUSES = ("open", "filled", "not_selected", "unsafe", "failed")
 
 PROGRESS = c.CFUNCTYPE(c_int, c_void_p, c_double, c.c_char_p)
@@ -83,6 +85,9 @@ class Options(c.Structure):
         ("constraint_points", c_void_p),
         ("constraint_count", c_size_t),
         ("softness", c_double),
+        ("part", c_uint32),
+        ("loose_vertices", c_void_p),
+        ("loose_count", c_size_t),
         ("clean", c_uint32),
         ("clean_rounds", c_uint32),
     ]
@@ -112,7 +117,11 @@ class Hole(c.Structure):
         ("coherence_error_before", c_double),
         ("coherence_error_after", c_double),
         ("candidate_count", c_uint32),
-        ("reserved", c_uint32),
+        ("is_border", c_uint32),
+        ("detectors_asked", c_uint32),
+        ("detectors_agreed", c_uint32),
+        ("boundary_probability", c_double),
+        ("missing_points", c_double),
     ]
 
 
@@ -138,6 +147,10 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
         [c_void_p, c_size_t, c_void_p, POINTER(Options), POINTER(c_void_p)],
     ),
     "find_holes": (c_int32, _mesh),
+    "find_point_holes": (
+        c_int32,
+        [c_void_p, c_size_t, c_void_p, POINTER(Options), POINTER(c_void_p)],
+    ),
     "completer_new": (c_int32, _mesh),
     "completer_complete": (c_int32, [c_void_p, POINTER(Options), POINTER(c_void_p)]),
     "completer_holes": (c_void_p, [c_void_p]),
@@ -158,6 +171,8 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "holes_inconsistent_edges": (c_void_p, [c_void_p, _count]),
     "holes_degenerate_faces": (c_void_p, [c_void_p, _count]),
     "holes_duplicate_vertices": (c_void_p, [c_void_p, _count]),
+    "holes_spacing": (c_double, [c_void_p]),
+    "holes_ignored_points": (c_void_p, [c_void_p, c_uint32, _count]),
     "holes_free": (None, [c_void_p]),
     "result_new_vertex_count": (c_size_t, [c_void_p]),
     "result_new_face_count": (c_size_t, [c_void_p]),

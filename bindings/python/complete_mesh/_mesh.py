@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ._arrays import Mesh
 from ._library import library
 from ._options import Call, Progress
+from ._points import Cloud
 from ._result import Holes, Result
 
 _OUTPUTS = ("whole_mesh", "new_only")
@@ -49,6 +50,8 @@ def complete_mesh(
     exemplar_parts: Optional[Sequence[int]] = None,
     constraint_points: Optional[ArrayLike] = None,
     softness: float = 0.0,
+    part: bool = False,
+    loose_vertices: Optional[ArrayLike] = None,
     threads: int = 0,
     output: str = "whole_mesh",
     progress: Optional[Progress] = None,
@@ -64,7 +67,8 @@ def complete_mesh(
         faces: (m, 3) vertex indices, integers, counter-clockwise seen from outside.
         method: "coherent" continues what the object shows, or is smooth where nothing serves;
             "smooth" is always smooth; "harary" is the paper's method as written, slow;
-            "fragment" copies fragments of the object (Bendels et al. 2005).
+            "fragment" copies fragments of the object (Bendels et al. 2005); "warp" warps the most
+            similar patch into the hole (Park et al. 2006).
         fairing: the smooth surface to start from: "auto", "none", "c0", "c1", "c2",
             "least_squares" or "smoothed_plate".
         sizing: the edge length that new triangles aim for: "surroundings", "scaled" (that times
@@ -109,6 +113,11 @@ def complete_mesh(
             that is farther from its hole's middle than the hole's diameter is refused.
         softness: how far fills may stay off the points, 0 to 1; 0.1 halves the height of a bump over
             the whole hole.
+        part: fill each hole with a part taken whole, with the source's own triangles: a missing hand,
+            foot or spout. It is what lies over the hole at `placement`, or at the first of the places
+            found that has one.
+        loose_vertices: vertices of rims where the fill need only be joined: neither tangents nor relief
+            nor values go on from what lies beyond them.
         threads: worker threads, 0 for as many as there are cores. The result does not depend on it.
         output: "whole_mesh", or "new_only" for a result without `vertices` and `faces`.
         progress: called as ``progress(fraction, stage)`` with 0 to 1 and a word or two, on the
@@ -133,8 +142,9 @@ def complete_mesh(
 
 def list_holes(
     vertices: ArrayLike,
-    faces: ArrayLike,
+    faces: Optional[ArrayLike] = None,
     *,
+    normals: Optional[ArrayLike] = None,
     grouping: str = "automatic",
     join_vertices: Optional[Sequence[Sequence[int]]] = None,
     selection: str = "all",
@@ -142,17 +152,30 @@ def list_holes(
     selection_max_edges: Optional[int] = None,
     selection_length: Optional[float] = None,
     selection_point: Optional[ArrayLike] = None,
+    threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> Holes:
-    """Finds and measures the holes of a mesh and fills nothing.
+    """Finds and measures the holes of a mesh, or without faces of a point cloud, and fills nothing.
 
-    Arguments and errors are those of `complete_mesh`. Holes outside the selection are listed with
-    the status "not_selected".
+    Arguments and errors are those of `complete_mesh`, for a cloud those of `complete_points`. Holes
+    outside the selection are listed with the status "not_selected", and so are the outer borders of a
+    cloud that are not named. For a cloud more detectors are asked than for a completion: see
+    `Hole.agreed`.
     """
     options = dict(locals())
-    lib, mesh = library(), Mesh(options.pop("vertices"), options.pop("faces"))
-    call = Call(lib, mesh, **options)
-    handle = call.run(lib.find_holes, lib.holes_free, *mesh.arguments())
+    for name in ("vertices", "faces", "normals"):
+        del options[name]
+    lib = library()
+    if faces is None:
+        cloud = Cloud(vertices, normals)
+        call = Call(lib, cloud.mesh, **options)
+        handle = call.run(lib.find_point_holes, lib.holes_free, *cloud.arguments())
+    elif normals is None:
+        mesh = Mesh(vertices, faces)
+        call = Call(lib, mesh, **options)
+        handle = call.run(lib.find_holes, lib.holes_free, *mesh.arguments())
+    else:
+        raise ValueError("normals are those of a cloud, which has no faces")
     try:
         return Holes(lib, handle)
     finally:
@@ -221,6 +244,8 @@ class Completer:
         exemplar_parts: Optional[Sequence[int]] = None,
         constraint_points: Optional[ArrayLike] = None,
         softness: float = 0.0,
+        part: bool = False,
+        loose_vertices: Optional[ArrayLike] = None,
         threads: int = 0,
         output: str = "whole_mesh",
         progress: Optional[Progress] = None,

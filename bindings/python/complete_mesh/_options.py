@@ -62,6 +62,8 @@ class Call:
         exemplar_parts: Optional[Sequence[int]] = None,
         constraint_points: Optional[ArrayLike] = None,
         softness: float = 0.0,
+        part: bool = False,
+        loose_vertices: Optional[ArrayLike] = None,
         clean: Union[bool, int] = False,
         progress: Optional[Progress] = None,
         **selected: Any,
@@ -95,6 +97,10 @@ class Call:
             options.exemplar_parts = self._indices("exemplar_parts", exemplar_parts)
             options.exemplar_part_count = len(exemplar_parts)
         self._set_points(constraint_points, softness)
+        options.part = bool(part)
+        if loose_vertices is not None:
+            options.loose_vertices = self._indices("loose_vertices", loose_vertices)
+            options.loose_count = len(loose_vertices)
         options.clean = clean is not False
         if not isinstance(clean, bool):
             options.clean_rounds = _unsigned("clean", clean)

@@ -91,6 +91,28 @@ class PointResult:
         )
 
 
+class Cloud:
+    """Points and their normals, and how to hand them over."""
+
+    def __init__(self, points: ArrayLike, normals: Optional[ArrayLike]) -> None:
+        self.mesh = Mesh(points, _NO_FACES)
+        self._normals: Optional[NDArray[Any]] = None
+        if normals is not None:
+            self._normals = np.ascontiguousarray(normals, dtype=self.mesh.vertices.dtype)
+            if self._normals.shape != self.mesh.vertices.shape:
+                raise ValueError(
+                    f"normals have the shape {self._normals.shape}, but points "
+                    f"{self.mesh.vertices.shape}"
+                )
+
+    def arguments(self) -> tuple[Optional[int], int, Optional[int]]:
+        """The first three arguments of the C functions; valid as long as self."""
+        positions, count = self.mesh.arguments()[:2]
+        if self._normals is None or not count:
+            return positions, count, None
+        return positions, count, self._normals.ctypes.data
+
+
 def complete_points(
     points: ArrayLike,
     normals: Optional[ArrayLike] = None,
@@ -141,19 +163,10 @@ def complete_points(
     The other arguments, and the errors, are those of `complete_mesh`, vertices being points.
     """
     options = dict(locals())
-    lib, cloud = library(), Mesh(options.pop("points"), _NO_FACES)
-    normals = options.pop("normals")
-    given = None
-    if normals is not None:
-        given = np.ascontiguousarray(normals, dtype=cloud.vertices.dtype)
-        if given.shape != cloud.vertices.shape:
-            raise ValueError(
-                f"normals have the shape {given.shape}, but points {cloud.vertices.shape}"
-            )
-    call = Call(lib, cloud, **options)
-    address = given.ctypes.data if given is not None and len(given) else None
-    handle = call.run(lib.points, lib.result_free, *cloud.arguments()[:2], address)
+    lib, cloud = library(), Cloud(options.pop("points"), options.pop("normals"))
+    call = Call(lib, cloud.mesh, **options)
+    handle = call.run(lib.points, lib.result_free, *cloud.arguments())
     try:
-        return PointResult(lib, handle, cloud.vertices, call.options.value_channels)
+        return PointResult(lib, handle, cloud.mesh.vertices, call.options.value_channels)
     finally:
         lib.result_free(handle)

@@ -88,9 +88,28 @@ class Hole:
     """(k,): input vertices that keep it from being filled safely."""
     problem_edges: Ids = field(repr=False)
     """(k, 2): input edges that keep it from being filled safely."""
+    is_border: bool
+    """Of a cloud: the outer border of an open surface, which is filled only if it is named."""
+    detectors_asked: tuple[str, ...] = field(repr=False)
+    """Of a cloud: what was asked for holes: "surface", the mesh that is laid through the points, which
+    finds all that are listed; "boundary", loops of likely boundary points (Bendels et al. 2005), which
+    `list_holes` asks and a completion does not. Empty for a mesh."""
+    detectors_agreed: tuple[str, ...] = field(repr=False)
+    """Which of them find this hole. One that not all agree on may be a sparse place."""
+    boundary_probability: float = field(repr=False)
+    """Of a cloud: the mean probability that the points of the rim lie on a boundary; from 0.4 a rim is
+    plain to see. NaN for a mesh."""
+    missing_points: float = field(repr=False)
+    """Of a cloud: an estimate of how many points are missing. NaN for a mesh."""
+
+    @property
+    def agreed(self) -> bool:
+        """Whether all detectors find it that were asked."""
+        return self.detectors_agreed == self.detectors_asked
 
     def __str__(self) -> str:
-        text = f"hole {self.id}: {self.kind}, {self.edge_count} edges, {self.status.replace('_', ' ')}"
+        kind = "border" if self.is_border else self.kind
+        text = f"hole {self.id}: {kind}, {self.edge_count} edges, {self.status.replace('_', ' ')}"
         if self.status == "filled":
             text += f", {self.method}, {self.new_face_count} new faces"
             if self.sources:
@@ -99,8 +118,8 @@ class Hole:
 
 
 class Holes(Sequence[Hole]):
-    """The holes of a mesh, by their ids, and everything odd that was found at its boundary. Nothing
-    of that is repaired."""
+    """The holes of a mesh or a cloud, by their ids, and everything odd that was found there. Nothing of
+    that is repaired. A cloud has points for vertices."""
 
     def __init__(self, lib: Library, handle: c.c_void_p | int) -> None:
         self._holes = tuple(_hole(lib, handle, i) for i in range(lib.holes_count(handle)))
@@ -112,6 +131,14 @@ class Holes(Sequence[Hole]):
         """(k,): faces that name a vertex twice."""
         self.duplicate_vertices: Ids = lib.list(lib.holes_duplicate_vertices, handle, width=2)
         """(k, 2): pairs of boundary vertices at one position: the mesh is not welded there."""
+        self.spacing: float = lib.holes_spacing(handle)
+        """Of a cloud: the middle one of the distances to the sixth neighbour; 0 for a mesh."""
+        self.ignored_points: dict[str, Ids] = {
+            name: lib.list(lib.holes_ignored_points, handle, kind)
+            for kind, name in enumerate(_abi.IGNORED)
+        }
+        """Of a cloud, (k,) each: points that were not looked at: "missing" (no coordinates), "duplicate"
+        (at the place of an earlier one) and "outlier" (beside the surface)."""
 
     def __len__(self) -> int:
         return len(self._holes)
@@ -263,6 +290,11 @@ def _hole(lib: Library, handle: c.c_void_p | int, i: int) -> Hole:
         sources=tuple(_source(lib, handle, i, k) for k in range(info.source_count)),
         problem_vertices=lib.list(lib.holes_problem_elements, handle, i, _abi.VERTEX),
         problem_edges=lib.list(lib.holes_problem_elements, handle, i, _abi.EDGE, width=2),
+        is_border=bool(info.is_border),
+        detectors_asked=_names(_abi.DETECTORS, info.detectors_asked),
+        detectors_agreed=_names(_abi.DETECTORS, info.detectors_agreed),
+        boundary_probability=info.boundary_probability,
+        missing_points=info.missing_points,
     )
 
 
@@ -277,6 +309,11 @@ def _source(lib: Library, handle: c.c_void_p | int, hole: int, i: int) -> Source
         weight=info.weight,
         vertex_count=info.vertex_count,
     )
+
+
+def _names(names: tuple[str, ...], bits: int) -> tuple[str, ...]:
+    """What bits stand for, from the lowest."""
+    return tuple(_name(names, k) for k in range(bits.bit_length()) if bits >> k & 1)
 
 
 def _name(names: tuple[str, ...], number: int) -> str:

@@ -43,7 +43,7 @@ def copy_from_rim(fill):
     for layer in _labels(fill.bm.verts.layers):
         for vertex, like in zip(fill.vertices, nearest):
             vertex[layer] = like[layer]
-    for layer in _labels(fill.bm.loops.layers):
+    for layer in _labels(fill.bm.loops.layers) if fill.faces else ():
         at_rim = [next(loop for loop in v.link_loops if fill.is_old(loop.face))[layer] for v in fill.rim]
         labels = [at_rim[i] for i in fill.spread.nearest()] + at_rim
         for loop, row in fill.corners():
@@ -98,7 +98,7 @@ def set_values(fill, rows):
                 for vertex, value in zip(fill.vertices, own.tolist()):
                     vertex[layer] = value if len(value) > 1 else value[0]
         for name, layer in getattr(fill.bm.loops.layers, of_bmesh).items():
-            if values.is_user_s(name):
+            if fill.faces and values.is_user_s(name):
                 at_rim = _corner_means(fill, lambda loop: _tuple(loop[layer]))
                 own = rows.get((name, kind, "CORNER"))
                 own = fill.spread(at_rim) if own is None else own
@@ -154,34 +154,35 @@ def spread_keys(fill):
             vertex[layer] = co
 
 
-def _layer(bm, name):
-    """The layer of one of our attributes, or None."""
+def _layer(bm, name, elements):
+    """The layer of one of our attributes, or None. `elements`: those that `completed` is of, faces or,
+    of a cloud, vertices."""
     if name == COMPLETED:
-        return _booleans(bm).get(name)
+        return _booleans(elements).get(name)
     return (bm.verts.layers.int if name == SOURCE else bm.verts.layers.float).get(name)
 
 
-def _booleans(bm):
+def _booleans(elements):
     """Python sees no booleans of a BMesh in old versions of Blender: there it is 0 or 1."""
-    return getattr(bm.faces.layers, "bool", bm.faces.layers.int)
+    return getattr(elements.layers, "bool", elements.layers.int)
 
 
-def absent_layers(bm):
+def absent_layers(bm, elements):
     """The names of our attributes that the mesh does not have."""
-    return [name for name in (COMPLETED, SOURCE, CONFIDENCE) if _layer(bm, name) is None]
+    return [name for name in (COMPLETED, SOURCE, CONFIDENCE) if _layer(bm, name, elements) is None]
 
 
-def make_layers(bm, mesh):
+def make_layers(bm, mesh, elements):
     """Adds our attributes where they are not there yet; gives the names that are taken by
     something else, which stays."""
     taken = []
     for name in (COMPLETED, SOURCE, CONFIDENCE):
-        if _layer(bm, name) is not None:
+        if _layer(bm, name, elements) is not None:
             continue
         if name in mesh.attributes:
             taken.append(name)
         elif name == COMPLETED:
-            _booleans(bm).new(name)
+            _booleans(elements).new(name)
         elif name == SOURCE:
             layer = bm.verts.layers.int.new(name)
             for vertex in bm.verts:
@@ -191,19 +192,17 @@ def make_layers(bm, mesh):
     return taken
 
 
-def write_attributes(bm, result, polygons, vertices, faces, missed):
-    """Where each new element comes from. Sources are numbers of polygons."""
+def write_attributes(bm, completed, vertices, sources, confidences, missed):
+    """Where each new element comes from. `completed`: the new faces, or of a cloud the new vertices."""
     if COMPLETED not in missed:
-        layer = _layer(bm, COMPLETED)
-        for face in faces:
-            face[layer] = True
+        layer = _layer(bm, COMPLETED, bm.verts if completed is vertices else bm.faces)
+        for element in completed:
+            element[layer] = True
     if SOURCE not in missed:
-        layer = _layer(bm, SOURCE)
-        triangles = result.new_vertex_source_faces
-        sources = np.where(triangles >= 0, polygons[np.maximum(triangles, 0)], -1)
+        layer = _layer(bm, SOURCE, None)
         for vertex, source in zip(vertices, sources.tolist()):
             vertex[layer] = source
     if CONFIDENCE not in missed:
-        layer = _layer(bm, CONFIDENCE)
-        for vertex, confidence in zip(vertices, result.new_vertex_confidences.tolist()):
+        layer = _layer(bm, CONFIDENCE, None)
+        for vertex, confidence in zip(vertices, confidences.tolist()):
             vertex[layer] = confidence

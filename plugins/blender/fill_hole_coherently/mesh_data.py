@@ -8,7 +8,7 @@ import bmesh
 import bpy
 import numpy as np
 
-from . import looks, texture, values
+from . import looks, points, texture, values
 from .session import NothingToFill
 
 
@@ -26,6 +26,8 @@ class Arrays:
     """(n,) bool: vertices that the user has selected; none in Object Mode."""
     selected_faces: np.ndarray
     """(m,) bool: triangles of polygons that the user has selected; none in Object Mode."""
+    is_cloud: bool
+    """Vertices alone, without an edge."""
 
 
 def read(ob):
@@ -44,7 +46,12 @@ def read(ob):
         mesh.vertices.foreach_get("select", selected)
         mesh.polygons.foreach_get("select", of_polygon)
     return Arrays(
-        vertices.reshape(-1, 3), triangles.reshape(-1, 3), polygons, selected, of_polygon[polygons]
+        vertices.reshape(-1, 3),
+        triangles.reshape(-1, 3),
+        polygons,
+        selected,
+        of_polygon[polygons],
+        not len(mesh.polygons) and not len(mesh.edges),
     )
 
 
@@ -65,18 +72,21 @@ def settled(ob):
 class Carried:
     """What the mesh carries beside its shape, read before it is filled."""
 
-    def __init__(self, ob, arrays, colours_steer, other=None):
-        """`other`: the object that is copied from, if it is another."""
+    def __init__(self, ob, arrays, colours_steer, others=()):
+        """`others`: the objects that are copied from, if they are others."""
         self._arrays, self._uvs = arrays, {}
+        self.normals = None
         with settled(ob) as mesh:
             attributes = values.read(mesh)
-            if mesh.uv_layers:
+            if mesh.uv_layers and not arrays.is_cloud:
                 self._read_texture(mesh)
-        exemplar = None
-        if other is not None:
+        if arrays.is_cloud:
+            attributes, self.normals = points.take_normals(attributes)
+        exemplars = []
+        for other in others:
             with settled(other) as mesh:
-                exemplar = values.read(mesh)
-        self.asked = values.ask(attributes, colours_steer, exemplar)
+                exemplars.append(values.read(mesh))
+        self.asked = values.ask(attributes, colours_steer, exemplars)
 
     def _read_texture(self, mesh):
         mesh.calc_loop_triangles()
@@ -132,21 +142,42 @@ def selected_sources(ob, arrays):
     return {"source_faces": arrays.selected_faces}
 
 
-def object_sources(ob, arrays, other):
-    """Sources on another object alone, in the size that it has in the scene. Its polygons are
+def seen_from(ob, other):
+    """(4, 4): from another object's coordinates to those of `ob`, as both stand in the scene."""
+    return np.array(ob.matrix_world.inverted_safe() @ other.matrix_world)
+
+
+def places_of(ob, other):
+    """(n, 3): another object's vertices in the coordinates of `ob`."""
+    matrix = seen_from(ob, other)
+    return read(other).vertices @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def object_sources(ob, arrays, others):
+    """Sources on other objects alone, in the sizes that they have in the scene. Their polygons are
     counted on from those of the mesh."""
-    if other is None or other.type != "MESH" or other.data == ob.data:
-        raise NothingToFill("Choose another mesh object to copy from")
-    theirs = read(other)
-    matrix = np.array(ob.matrix_world.inverted_safe() @ other.matrix_world)
-    places = theirs.vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    polygons = np.concatenate([arrays.polygons, theirs.polygons + len(ob.data.polygons)])
-    arrays.polygons = polygons
-    return {
-        "exemplar_vertices": places.astype(np.float32),
-        "exemplar_faces": theirs.triangles,
+    places, faces, polygons = [], [], [arrays.polygons]
+    count, before = 0, len(ob.data.polygons)
+    for other in others:
+        theirs = read(other)
+        if not len(theirs.triangles):
+            raise NothingToFill(f"'{other.name}' has no faces to copy from")
+        places.append(places_of(ob, other))
+        # A mirrored object's faces run the other way round.
+        mirrored = np.linalg.det(seen_from(ob, other)[:3, :3]) < 0
+        faces.append((theirs.triangles[:, ::-1] if mirrored else theirs.triangles) + count)
+        polygons.append(theirs.polygons + before)
+        count += len(theirs.vertices)
+        before += len(other.data.polygons)
+    arrays.polygons = np.concatenate(polygons)
+    sources = {
+        "exemplar_vertices": np.concatenate(places).astype(np.float32),
+        "exemplar_faces": np.concatenate(faces),
         "exemplar_only": True,
     }
+    if len(others) > 1:
+        sources["exemplar_parts"] = [len(each) for each in places]
+    return sources
 
 
 def add_fill(ob, result, arrays, carried, write_attributes):
@@ -155,26 +186,18 @@ def add_fill(ob, result, arrays, carried, write_attributes):
     bm = bmesh.from_edit_mesh(mesh) if edit else bmesh.new()
     if not edit:
         bm.from_mesh(mesh)
-        bm.select_mode = {"FACE"}  # with vertices, old faces between rim vertices would join in
+        # With vertices, old faces between rim vertices would join in.
+        bm.select_mode = {"VERT"} if arrays.is_cloud else {"FACE"}
     try:
         bm.verts.ensure_lookup_table()
         _deselect(bm)
         # Once they are there they must be right.
-        missed = looks.make_layers(bm, mesh) if write_attributes else looks.absent_layers(bm)
-        vertices, faces = _add_elements(bm, result)
-        bm.faces.ensure_lookup_table()
-        fill = looks.Fill(bm, result, vertices, faces)
-        looks.copy_from_rim(fill)
-        looks.match_rims(fill, result)
-        looks.set_values(fill, values.rows_of(carried.asked, result))
-        looks.set_texture(fill, carried.texture(result))
-        looks.spread_weights(fill)
-        looks.spread_keys(fill)
-        looks.write_attributes(bm, result, arrays.polygons, vertices, faces, missed)
-        for face in faces:
-            face.select_set(True)
-        bm.select_flush_mode()
-        bm.normal_update()
+        elements = bm.verts if arrays.is_cloud else bm.faces
+        missed = looks.make_layers(bm, mesh, elements) if write_attributes else looks.absent_layers(bm, elements)
+        if arrays.is_cloud:
+            points.add(bm, result, carried, missed)
+        else:
+            _add_faces(bm, result, arrays, carried, missed)
         if edit:
             bmesh.update_edit_mesh(mesh, loop_triangles=True, destructive=True)
         else:
@@ -185,6 +208,25 @@ def add_fill(ob, result, arrays, carried, write_attributes):
     if not edit:
         mesh.update()
     return missed if write_attributes else []
+
+
+def _add_faces(bm, result, arrays, carried, missed):
+    vertices, faces = _add_elements(bm, result)
+    bm.faces.ensure_lookup_table()
+    fill = looks.Fill(bm, result, vertices, faces)
+    looks.copy_from_rim(fill)
+    looks.match_rims(fill, result)
+    looks.set_values(fill, values.rows_of(carried.asked, result.new_vertex_values))
+    looks.set_texture(fill, carried.texture(result))
+    looks.spread_weights(fill)
+    looks.spread_keys(fill)
+    triangles = result.new_vertex_source_faces
+    sources = np.where(triangles >= 0, arrays.polygons[np.maximum(triangles, 0)], -1)
+    looks.write_attributes(bm, faces, vertices, sources, result.new_vertex_confidences, missed)
+    for face in faces:
+        face.select_set(True)
+    bm.select_flush_mode()
+    bm.normal_update()
 
 
 def select(ob, vertices, edges, polygons):

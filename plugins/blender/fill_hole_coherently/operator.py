@@ -4,9 +4,9 @@ once."""
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
-from . import mesh_data, session
+from . import guidance, mesh_data, session
 from .complete_mesh import Cancelled, CompleteMeshError, LibraryNotFound, Status
 
 # Shown to the user; anything else is a fault of the add-on, and Blender shows where.
@@ -15,7 +15,7 @@ TROUBLES = (CompleteMeshError, LibraryNotFound, session.NothingToFill)
 VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM"}
 
 
-class MESH_OT_fill_hole_coherently(bpy.types.Operator):
+class MESH_OT_fill_hole_coherently(guidance.Guided, bpy.types.Operator):
     """Fill holes so that the fill continues the shape and relief that the rest of the object shows"""
 
     bl_idname = "mesh.fill_hole_coherently"
@@ -67,39 +67,11 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         "and select what is in the way",
         default=False,
     )
-    source: EnumProperty(
-        name="Copy From",
-        items=[
-            ("MESH", "Whole Mesh", "Continue what any place on the mesh shows"),
-            ("GROUP", "Vertex Group", "Copy only from faces in a vertex group"),
-            ("SELECTED", "Selected Faces", "Copy only from the faces that are selected in Edit Mode. "
-             "Fills the holes that the selection touches, or all if it touches none"),
-            ("OBJECT", "Another Object", "Copy only from another object, e.g. an intact twin. It may "
-             "stand and be turned as it likes, but must have the same size"),
-        ],
-        default="MESH",
-        # The next call may be for a mesh without such a group or selection.
-        options={"SKIP_SAVE"},
-    )
-    source_group: StringProperty(name="Group", description="Vertex group to copy from")
-    source_object: StringProperty(name="Object", description="Mesh object to copy from")
-    mirror: BoolProperty(
-        name="Allow Mirroring",
-        description="Copy mirrored places, too. Off: for lettering, and whatever has a handedness",
-        default=True,
-    )
     match_colors: BoolProperty(
         name="Match Colors",
         description="The active color attribute helps to find the place to copy from. Off: the shape "
         "alone decides. Colors and other attributes are copied with the shape either way",
         default=True,
-    )
-    candidate: IntProperty(
-        name="Candidate",
-        description="Copy from one place alone: 1 is the best, 2 the second. 0 for all of them together",
-        default=0,
-        min=0,
-        soft_max=9,
     )
     write_attributes: BoolProperty(
         name="Write Attributes",
@@ -125,14 +97,8 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         layout.use_property_decorate = False
         layout.prop(self, "method")
         layout.prop(self, "density")
-        layout.prop(self, "source")
-        if self.source == "GROUP" and context.active_object:
-            layout.prop_search(self, "source_group", context.active_object, "vertex_groups")
-        elif self.source == "OBJECT":
-            layout.prop_search(self, "source_object", bpy.data, "objects")
-        layout.prop(self, "mirror")
+        self.draw_guidance(context, layout)
         layout.prop(self, "match_colors")
-        layout.prop(self, "candidate")
         column = layout.column(heading="Holes")
         column.prop(self, "max_edges")
         column.prop(self, "keep_largest_open")
@@ -140,8 +106,11 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
         column.prop(self, "skip_unsafe")
         layout.prop(self, "write_attributes")
 
-    def _options(self):
-        return session.Options(
+    def _arguments(self, ob, arrays):
+        """What session.fill takes, and what the mesh carries."""
+        others = self.others(ob)
+        carried = mesh_data.Carried(ob, arrays, self.match_colors, others)
+        options = session.Options(
             method=self.method.lower(),
             density=self.density,
             max_edges=self.max_edges,
@@ -149,22 +118,14 @@ class MESH_OT_fill_hole_coherently(bpy.types.Operator):
             join_loops=self.join_loops,
             skip_unsafe=self.skip_unsafe,
             mirror=self.mirror,
-            candidate=self.candidate,
+            all_if_untouched=self.source == "SELECTED",
+            is_cloud=arrays.is_cloud,
+            normals=carried.normals,
+            sources=self.sources(ob, arrays, others),
+            values=carried.asked.arguments,
+            guidance=self.guidance(ob, others),
+            points=self.points(ob),
         )
-
-    def _arguments(self, ob, arrays):
-        """What session.fill takes, and what the mesh carries."""
-        options, other = self._options(), None
-        if self.source == "GROUP":
-            options.sources = mesh_data.group_sources(ob, arrays, self.source_group)
-        elif self.source == "SELECTED":
-            options.sources = mesh_data.selected_sources(ob, arrays)
-            options.all_if_untouched = True
-        elif self.source == "OBJECT":
-            other = bpy.data.objects.get(self.source_object)
-            options.sources = mesh_data.object_sources(ob, arrays, other)
-        carried = mesh_data.Carried(ob, arrays, self.match_colors, other)
-        options.values = carried.asked.arguments
         return (arrays.vertices, arrays.triangles, arrays.selected, options), carried
 
     def execute(self, context):
@@ -296,7 +257,8 @@ def summary(result):
     filled = [hole for hole in result.holes if hole.status == "filled"]
     skipped = sum(hole.status in ("unsafe", "failed") for hole in result.holes)
     smooth = sum(hole.method == "smooth" for hole in filled)
-    text = f"Filled {count(len(filled), 'hole')} with {count(len(result.new_faces), 'face')}"
+    new = count(len(result.new_points), "point") if is_of_points(result) else count(len(result.new_faces), "face")
+    text = f"Filled {count(len(filled), 'hole')} with {new}"
     confidences = [f"{hole.confidence:.2f}" for hole in filled if hole.method != "smooth"]
     if confidences:
         text += f", confidence {' to '.join(sorted({min(confidences), max(confidences)}))}"
@@ -307,7 +269,15 @@ def summary(result):
     return text
 
 
+def is_of_points(result):
+    return not hasattr(result, "new_faces")
+
+
 def warnings(holes):
+    for kind, what in (("outlier", "beside the surface"), ("duplicate", "at the place of another")):
+        if len(holes.ignored_points[kind]):
+            text = f"{count(len(holes.ignored_points[kind]), 'point')} {what} not looked at"
+            yield text.replace("not looked", "was not looked" if text.startswith("1 ") else "were not looked")
     if len(holes.duplicate_vertices):
         yield (
             f"{count(len(holes.duplicate_vertices), 'pair')} of rim vertices at one place: what looks "

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .complete_mesh import CompleteMeshError, Completer
+from .complete_mesh import CompleteMeshError, Completer, complete_points, list_holes
 
 # Two: the mesh before a fill and, for a second fill, the mesh after it.
 KEPT_MESHES = 2
 
 _lock = threading.Lock()
-_kept = {}  # (hash of the mesh, grouping): Kept; the last used is the last
+_kept = {}  # (hash of the mesh, whether a cloud, grouping): Kept; the last used is the last
 
 
 @dataclass
@@ -28,11 +28,18 @@ class Options:
     join_loops: bool = True
     skip_unsafe: bool = False
     mirror: bool = True
-    candidate: int = 0
     all_if_untouched: bool = False
     """Whether a selection that touches no hole chooses all."""
+    is_cloud: bool = False
+    """Points alone: new points are added."""
+    normals: np.ndarray | None = None
+    """Of the points of a cloud, if it has any."""
     sources: dict = field(default_factory=dict)
-    """The library's source_faces, or exemplar_vertices and exemplar_faces: see mesh_data."""
+    """The library's source_faces, or exemplar_vertices and exemplar_faces: see guidance.py."""
+    guidance: dict = field(default_factory=dict)
+    """Its placement and refine, or candidate and scale_range."""
+    points: dict = field(default_factory=dict)
+    """Its constraint_points and softness."""
     values: dict = field(default_factory=dict)
     """The library's vertex_values and what belongs to them: see values.py."""
 
@@ -44,8 +51,9 @@ class Options:
         """The library's own names for what the result depends on, beside the choice of holes."""
         arguments = {"method": self.method, "skip_unsafe": self.skip_unsafe}
         arguments |= {"unmirrored": not self.mirror, **self.sources, **self.values}
+        arguments |= self.points
         if self.method == "coherent":
-            arguments["candidate"] = self.candidate
+            arguments |= self.guidance
         if self.density != 1.0:
             # A density of 2 is twice as many vertices along an edge.
             arguments |= {"sizing": "scaled", "sizing_value": 1.0 / self.density}
@@ -57,7 +65,7 @@ class NothingToFill(Exception):
 
 
 class Kept:
-    """A completer and its last result."""
+    """A completer, or a cloud, and its last result."""
 
     def __init__(self, completer):
         self.completer = completer
@@ -74,32 +82,60 @@ class Kept:
         return self.result
 
 
+class Cloud:
+    """A cloud of points in the place of a completer. Its holes are listed only if somebody asks."""
+
+    def __init__(self, points, normals, grouping):
+        self._points, self._normals, self._grouping = points, normals, grouping
+        self._holes = None
+
+    @property
+    def holes(self):
+        if self._holes is None:
+            self._holes = list_holes(self._points, normals=self._normals, grouping=self._grouping)
+        return self._holes
+
+    def complete(self, output, **arguments):
+        assert output == "new_only"
+        return complete_points(self._points, self._normals, grouping=self._grouping, **arguments)
+
+
 def fill(vertices, triangles, selected, options, progress=None):
     """The fill of the holes that are chosen. `selected`: (n,) bool, which vertices are; if any is,
     only holes that one of them lies on; but see all_if_untouched. An error that names holes has
     their edges as `rims`."""
     progress = progress or (lambda _fraction, _stage: False)
-    kept = _completer(vertices, triangles, options.grouping, progress)
-    ids = choose(kept.completer.holes, selected, options)
+    if not len(triangles) and not options.is_cloud:
+        raise NothingToFill("The mesh has edges and no faces: fill needs faces, or vertices alone")
+    kept = _completer(vertices, triangles, options, progress)
     try:
-        return kept.fill(
+        result = kept.fill(
             # Finding the holes is quick: a twentieth of the bar.
             lambda fraction, stage: progress(0.05 + 0.95 * fraction, stage),
-            selection="ids",
-            selection_ids=ids,
+            **selection(kept.completer, selected, options),
             **options.arguments(),
         )
+        if all(hole.is_border for hole in result.holes):
+            raise NothingToFill("The points have no holes" + " but their border" * bool(len(result.holes)))
+        return result
     except CompleteMeshError as error:
         if len(error.holes):
             error.rims = rims(kept.completer.holes, error.holes)
         raise
 
 
+def selection(completer, selected, options):
+    """The library's selection, as ids but where a cloud's holes need not be listed for it."""
+    if options.is_cloud and not (selected.any() or options.max_edges or options.keep_largest_open):
+        return {"selection": "all"}
+    return {"selection": "ids", "selection_ids": choose(completer.holes, selected, options)}
+
+
 def choose(holes, selected, options):
-    """The ids of the holes to fill."""
-    if not len(holes):
+    """The ids of the holes to fill. The border of a cloud is none unless it is touched."""
+    chosen = list(holes) if selected.any() else [hole for hole in holes if not hole.is_border]
+    if not chosen:
         raise NothingToFill("The mesh has no holes")
-    chosen = list(holes)
     if selected.any():
         touched = [hole for hole in chosen if any(selected[loop].any() for loop in hole.loops)]
         if not touched and not options.all_if_untouched:
@@ -140,18 +176,22 @@ def forget():
         _kept.clear()
 
 
-def _completer(vertices, triangles, grouping, progress):
-    key = content_hash(vertices, triangles), grouping
+def _completer(vertices, triangles, options, progress):
+    arrays = [vertices, triangles] + ([] if options.normals is None else [options.normals])
+    key = content_hash(*arrays), options.is_cloud, options.grouping
     with _lock:
         kept = _kept.pop(key, None)
     if kept is None:
-        completer = Completer(
-            vertices,
-            triangles,
-            grouping=grouping,
-            progress=lambda fraction, stage: progress(0.05 * fraction, stage),
-        )
-        kept = Kept(completer)
+        if options.is_cloud:
+            kept = Kept(Cloud(vertices, options.normals, options.grouping))
+        else:
+            completer = Completer(
+                vertices,
+                triangles,
+                grouping=options.grouping,
+                progress=lambda fraction, stage: progress(0.05 * fraction, stage),
+            )
+            kept = Kept(completer)
     with _lock:
         _kept[key] = kept
         while len(_kept) > KEPT_MESHES:

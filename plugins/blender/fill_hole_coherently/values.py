@@ -102,18 +102,18 @@ def _of_vertices(mesh, rows, domain):
     return np.stack(sums, 1) / np.maximum(count, 1)[:, None]
 
 
-def ask(attributes, colours_steer, exemplar=None):
-    """Values of a mesh's attributes; with an exemplar's those that it has, too, by their names."""
-    if exemplar is not None:
-        others = {other.name: other for other in exemplar}
-        pairs = [(a, _alike(a, others.get(a.name))) for a in attributes]
-        pairs = [(a, rows) for a, rows in pairs if rows is not None]
+def ask(attributes, colours_steer, exemplars=()):
+    """Values of a mesh's attributes; with exemplars those that all of them have, too, by their names."""
+    if exemplars:
+        others = [{other.name: other for other in exemplar} for exemplar in exemplars]
+        pairs = [(a, [_alike(a, own.get(a.name)) for own in others]) for a in attributes]
+        pairs = [(a, rows) for a, rows in pairs if all(own is not None for own in rows)]
         attributes = [a for a, _ in pairs]
     if not attributes:
         return Values([], {})
     arguments = {"vertex_values": np.column_stack([a.rows for a in attributes])}
-    if exemplar is not None:
-        arguments["exemplar_values"] = np.column_stack([rows for _, rows in pairs])
+    if exemplars:
+        arguments["exemplar_values"] = np.column_stack([np.concatenate(rows) for _, rows in pairs])
     if colours_steer and attributes[0].is_colour:
         arguments["steering_channels"] = 3
     return Values(attributes, arguments)
@@ -139,12 +139,12 @@ def _decoded(stored):
     return np.column_stack([linear, stored[:, 3]])
 
 
-def rows_of(asked, result):
+def rows_of(asked, new_values):
     """The new vertices' rows by the attribute's key, as bmesh takes them: bytes as 0 to 1."""
     rows, first = {}, 0
     for attribute in asked.attributes:
         width = attribute.rows.shape[1]
-        own = result.new_vertex_values[:, first : first + width]
+        own = new_values[:, first : first + width]
         rows[attribute.key] = own / 255 if attribute.kind == "BYTE_COLOR" else own
         first += width
     return rows
