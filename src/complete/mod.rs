@@ -54,9 +54,18 @@ const REACH_EDGES: f64 = 6.0;
 
 /// The part of a coherent fill's time in which its initial completion is made.
 const SMOOTH_SHARE: f64 = 0.03;
-/// Parts of the call's progress: filling, if nothing long follows and if it does; and what follows.
-const FILLED: [workers::Span; 2] = [(0.1, 0.95), (0.1, 0.15)];
-const BESIDE: workers::Span = (0.15, 0.95);
+/// Part of the call's progress in which what follows the smooth fills of some methods is made.
+const BESIDE: workers::Span = (0.05, 0.98);
+
+/// Where filling begins and ends in the call's progress. What comes before it is a pass over the mesh: much
+/// beside a smooth fill, next to nothing beside the others.
+fn filling(method: Method) -> workers::Span {
+    match method {
+        Method::Smooth => (0.1, 0.95),
+        Method::Coherent | Method::Warp => (0.02, 0.98),
+        Method::Harary | Method::Fragment => (0.02, BESIDE.0),
+    }
+}
 
 /// Completes a mesh in one call, in silence. See [`Completer`] for the parts.
 pub fn complete_mesh<'a>(
@@ -214,7 +223,8 @@ impl<'a> Completer<'a> {
         let wanted = select_holes(self.mesh, &self.holes, &options.selection)?;
         let todo = self.safe_holes(&wanted, options)?;
         let points = share_points(&options.guidance, &todo)?;
-        monitor.step(0.05, "copying the surroundings")?;
+        let span = filling(options.method);
+        monitor.step(0.5 * span.0, "copying the surroundings")?;
         let boxes: Vec<Bounds> = todo.iter().map(|h| self.reach(h)).collect();
         let mut near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
         near.loose = self.loose(&near, &options.guidance.loose)?;
@@ -232,10 +242,9 @@ impl<'a> Completer<'a> {
             sizing: options.sizing,
             rounding: if single { Rounding::Single } else { Rounding::Double },
         };
-        let later = usize::from(matches!(options.method, Method::Harary | Method::Fragment));
-        monitor.step(0.1, "filling")?;
+        monitor.step(span.0, "filling")?;
         let mut outcomes =
-            workers::run(todo.len(), options.threads, (monitor, FILLED[later]), &|i, check| {
+            workers::run(todo.len(), options.threads, (monitor, span), &|i, check| {
                 let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
                 let hole = (todo[i], &points[i][..]);
                 self.fill_one(&around, &obstacles, hole, todo.len(), options, check)
@@ -247,7 +256,7 @@ impl<'a> Completer<'a> {
             }
             Method::Coherent | Method::Warp | Method::Smooth => {}
         }
-        monitor.step(0.95, "checking the fills against each other")?;
+        monitor.step(span.1.max(BESIDE.1), "checking the fills against each other")?;
         let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
         self.part_fills(&around, &boxes, &holes, &mut outcomes, options, monitor)?;
         let mut completion = assemble(
