@@ -201,10 +201,15 @@ static void refused(complete_mesh_options opts, complete_mesh_status expected, c
 static void part(void) {
   complete_mesh_options opts = with_twin(1, 1);
   complete_mesh_result *result;
+  const uint32_t cap = 0;
   double rows[12];
   way_back(rows, 1, 1);
   opts.placement = rows;
   opts.part = 1;
+  /* the cap: of the other hole next to nothing is missing */
+  opts.selection = COMPLETE_MESH_SELECTION_IDS;
+  opts.selection_ids = &cap;
+  opts.selection_count = 1;
   result = complete_bumpy(&opts);
   CHECK(error_of(result) < 1e-4);
   complete_mesh_result_free(result);
