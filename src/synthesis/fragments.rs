@@ -32,6 +32,8 @@ const MOST: usize = 3000;
 const ALIGNED: usize = 6;
 /// Steps of an alignment at most.
 const STEPS: usize = 8;
+/// Candidates that are compared at every place: the best by a sketch.
+const COMPARED: usize = 100;
 /// Candidates worked on between two looks at the wish to stop.
 const BATCH: usize = 64;
 /// How far the fine surface may be from the coarse one, in radii: farther off it is another sheet.
@@ -225,8 +227,7 @@ impl<'a> Filling<'a> {
         self.tree = Bvh::from_triangles(known.into_iter());
     }
 
-    /// Fills the hole. `before`: the copies of the coarser scale; `progress` is called with the fraction
-    /// done.
+    /// Fills the hole. `before`: the copies of the coarser scale; `progress` is called with the fraction done.
     pub fn run(
         mut self,
         before: Option<&Filled>,
@@ -397,6 +398,35 @@ impl<'a> Filling<'a> {
         Target { ring, bin, deviation, roughness: rough / f64::max(known, 1.0), fragment }
     }
 
+    /// The turned candidates most like a target, not in order: all are sketched, few are looked at closely.
+    fn alike(&self, target: &Target, check: &dyn Fn() -> Result<()>) -> Result<Vec<Candidate>> {
+        let Candidates { all, turns, .. } = self.candidates;
+        let own = &target.fragment;
+        let bland = |c: usize| blandness(target.roughness, all[c].1);
+        let sketch = |block: usize| {
+            let of = |c: usize| {
+                let at = |t: &(_, _, Turned)| own.sketched_distance(&all[c].0, &t.2);
+                turns.iter().filter_map(at).reduce(f64::min).map(|d| (bland(c) * d, c))
+            };
+            (block * BATCH..all.len().min((block + 1) * BATCH)).filter_map(of).collect::<Vec<_>>()
+        };
+        let sketches = parallel::map(all.len().div_ceil(BATCH), self.threads, check, &sketch)?;
+        let sketches = least(sketches.into_iter().flatten().collect(), COMPARED);
+        // One a candidate: alignment wants starts that differ.
+        let compare = |i: usize| {
+            let c = sketches[i].1;
+            let (source, bland) = (&all[c].0, bland(c));
+            let at = |t: &'_ (usize, bool, Turned)| Some((own.distance(source, &t.2)?, t.0, t.1));
+            let best = turns.iter().filter_map(at).min_by(|a, b| a.0.total_cmp(&b.0));
+            best.map(|(d, turn, mirrored)| {
+                let transform = own.transform(&source.frame, turn, mirrored);
+                Candidate { transform, cost: bland * d, bland }
+            })
+        };
+        let found = parallel::map(sketches.len(), self.threads, check, &compare)?;
+        Ok(found.into_iter().flatten().collect())
+    }
+
     /// The copy that continues a target best.
     fn find(
         &self,
@@ -405,30 +435,9 @@ impl<'a> Filling<'a> {
         before: Option<&Filled>,
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Option<Pasted>> {
-        let Candidates { all, turns, radius, fine, .. } = self.candidates;
+        let Candidates { radius, fine, .. } = self.candidates;
         let own = &target.fragment;
-        let one = |block: usize| {
-            let mut found: Vec<Candidate> = Vec::new();
-            let mut best = f64::INFINITY;
-            for (source, rough) in &all[block * BATCH..all.len().min((block + 1) * BATCH)] {
-                let bland = blandness(target.roughness, *rough);
-                if bland * own.least_distance(source) >= best {
-                    continue;
-                }
-                for (turn, mirrored, turned) in *turns {
-                    let Some(d) = own.distance(source, turned) else { continue };
-                    if bland * d < best {
-                        best = bland * d;
-                        let transform = own.transform(&source.frame, *turn, *mirrored);
-                        found.push(Candidate { transform, cost: best, bland });
-                    }
-                }
-            }
-            // Each is better than those before it: only the last ones matter.
-            found.split_off(found.len().saturating_sub(ALIGNED))
-        };
-        let found = parallel::map(all.len().div_ceil(BATCH), self.threads, check, &one)?;
-        let found: Vec<Candidate> = found.into_iter().flatten().collect();
+        let found = self.alike(target, check)?;
         let centre = own.frame.centre;
         let mut starts: Vec<(Rigid, f64)> = keep_different(found, centre, *radius, 0.3, ALIGNED)
             .into_iter()
@@ -536,6 +545,17 @@ impl<'a> Filling<'a> {
         }
         any
     }
+}
+
+/// The `count` least, the least first.
+fn least(mut all: Vec<(f64, usize)>, count: usize) -> Vec<(f64, usize)> {
+    let order = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+    if all.len() > count {
+        all.select_nth_unstable_by(count, order);
+        all.truncate(count);
+    }
+    all.sort_unstable_by(order);
+    all
 }
 
 /// A frame as seen from the source.
