@@ -46,6 +46,14 @@ impl Effort {
     fn of(target: &Target<'_>, targets: usize) -> Self {
         let n = target.fill.len();
         match targets {
+            // Colours alone tell at a glance, and a few places of theirs are looked at.
+            1 if target.emphasis > 1.0 => Self {
+                maps: (6 * n).max(LEAST_MAPS) / 2,
+                widths: &WIDTHS[..1],
+                kept: (n / 24).clamp(10, 30),
+                fine: 12,
+                widened: 0,
+            },
             1 => Self {
                 maps: (6 * n).max(LEAST_MAPS),
                 widths: &WIDTHS,
