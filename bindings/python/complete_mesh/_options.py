@@ -99,8 +99,9 @@ class Call:
         self._set_points(constraint_points, softness)
         options.part = bool(part)
         if loose_vertices is not None:
-            options.loose_vertices = self._indices("loose_vertices", loose_vertices)
-            options.loose_count = len(loose_vertices)
+            loose = np.asarray(loose_vertices)
+            options.loose_vertices = self._indices("loose_vertices", loose)
+            options.loose_count = loose.size
         options.clean = clean is not False
         if not isinstance(clean, bool):
             options.clean_rounds = _unsigned("clean", clean)
