@@ -63,26 +63,40 @@ pub fn complete_hole(
     search: &Search<'_>,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<(Patch, Story)>> {
-    let made = complete_shape(around, fill, search, check)?;
-    let nothing = made.is_none();
-    let (patch, mut story) =
-        made.unwrap_or_else(|| (fill.patch.clone(), Story::nothing(&fill.patch)));
-    search_colours(around, fill, search, &patch, &mut story, &|target| {
+    let shape = complete_shape(around, fill, search, check)?;
+    with_colours(around, fill, search, shape, &|_, target| {
         let found = search.library.candidates(&[target], search.threads, &|_| check(1.0))?;
         Ok(found.iter().flatten().map(|c| c.transform).collect())
-    })?;
+    })
+}
+
+/// The places for a target of a domain, best first.
+pub type Find<'a> = &'a dyn Fn(&Domain, Target<'_>) -> Result<Vec<Rigid>>;
+
+/// A completed shape, or the smooth fill if nothing serves it, with the colours that were found elsewhere;
+/// `None` if it has neither.
+pub fn with_colours(
+    around: &Surroundings<'_>,
+    fill: &Fill,
+    search: &Search<'_>,
+    shape: Option<(Patch, Story)>,
+    find: Find<'_>,
+) -> Result<Option<(Patch, Story)>> {
+    let nothing = shape.is_none();
+    let (patch, mut story) =
+        shape.unwrap_or_else(|| (fill.patch.clone(), Story::nothing(&fill.patch)));
+    search_colours(around, fill, search, &patch, &mut story, find)?;
     Ok((!nothing || !story.colours.is_empty()).then_some((patch, story)))
 }
 
-/// Looks elsewhere for the colours of a finished fill where its shape's sources do not have them. `find`: the
-/// places for a target, best first.
-pub fn search_colours(
+/// Looks elsewhere for the colours of a finished fill where its shape's sources do not have them.
+fn search_colours(
     around: &Surroundings<'_>,
     fill: &Fill,
     search: &Search<'_>,
     patch: &Patch,
     story: &mut Story,
-    find: &dyn Fn(Target<'_>) -> Result<Vec<Rigid>>,
+    find: Find<'_>,
 ) -> Result<()> {
     let &Search { library, guidance, threads, .. } = search;
     // One place that was chosen gives all.
@@ -91,7 +105,7 @@ pub fn search_colours(
     let domain = domain_of(around, fill, library, patch, Extent::Found);
     let Some(domain) = domain.filter(|d| !d.is_slender()) else { return Ok(()) };
     let ring = domain.ring_points();
-    let found = find(Target { emphasis: EMPHASIS, ..domain.target(&ring) })?;
+    let found = find(&domain, Target { emphasis: EMPHASIS, ..domain.target(&ring) })?;
     take_colours(story, &domain, library.source(), &found, rho, threads)
 }
 

@@ -167,10 +167,7 @@ struct Rim {
 
 impl Rim {
     fn new(loops: &[Vec<u32>]) -> Self {
-        let edge = |l: &Vec<u32>, i: usize| {
-            let (a, b) = (l[i], l[(i + 1) % l.len()]);
-            [a.min(b), a.max(b)]
-        };
+        let edge = |l: &Vec<u32>, i: usize| sorted([l[i], l[(i + 1) % l.len()]]);
         let edges = loops.iter().flat_map(|l| (0..l.len()).map(move |i| edge(l, i))).collect();
         Self { edges, vertices: loops.iter().flatten().copied().collect() }
     }
@@ -180,7 +177,7 @@ impl Rim {
         let there: Vec<u32> = (0..3).filter(|&k| at[k] > ON_EDGE).map(|k| face[k]).collect();
         match there[..] {
             [a] => self.vertices.contains(&a),
-            [a, b] => self.edges.contains(&[a.min(b), a.max(b)]),
+            [a, b] => self.edges.contains(&sorted([a, b])),
             _ => false,
         }
     }

@@ -9,7 +9,7 @@
 //! - Colours come from another place only where the shape's has not those known around the hole.
 
 use super::coherent::{
-    domain_of, roughness, search_colours, take_density, tell, Search, AGAIN, LEAST,
+    domain_of, roughness, take_density, tell, with_colours, Search, AGAIN, LEAST,
 };
 use super::guided::{placed, RankedView};
 use super::smooth::{Fill, Story, Surroundings};
@@ -46,15 +46,9 @@ pub fn complete_hole(
         return Ok(None);
     }
     let task = Task { around, fill, search, check };
-    let shape = task.shape()?;
-    let nothing = shape.is_none();
-    let (patch, mut story) =
-        shape.unwrap_or_else(|| (fill.patch.clone(), Story::nothing(&fill.patch)));
-    search_colours(around, fill, search, &patch, &mut story, &|target| {
-        let domain = domain_of(around, fill, search.library, &patch, Extent::Found);
-        domain.map_or(Ok(Vec::new()), |d| task.find(&d, &target, By::Colour, &|_| check(1.0)))
-    })?;
-    Ok((!nothing || !story.colours.is_empty()).then_some((patch, story)))
+    with_colours(around, fill, search, task.shape()?, &|domain, target| {
+        task.find(domain, &target, By::Colour, &|_| check(1.0))
+    })
 }
 
 /// One hole.
