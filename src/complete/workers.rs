@@ -40,7 +40,8 @@ pub fn run<T: Send>(
     (monitor, span): (&Monitor, Span),
     job: Job<'_, T>,
 ) -> Result<Vec<T>> {
-    let fraction = |done: f64| span.0 + (span.1 - span.0) * done / count.max(1) as f64;
+    // The quotient first: all of them are the whole span and not a bit more.
+    let fraction = |done: f64| span.0 + (span.1 - span.0) * (done / count.max(1) as f64);
     let threads = thread_count(threads).min(count / FEW * 2).max(1);
     if threads == 1 {
         let one = |i: usize| {
@@ -153,6 +154,22 @@ mod tests {
             let squares =
                 run(50, threads, (&Monitor::silent(), (0.0, 1.0)), &|i, _| Ok(i * i)).unwrap();
             assert_eq!(squares, (0..50).map(|i| i * i).collect::<Vec<_>>());
+        }
+    }
+
+    /// What the caller reports next is the span's end: nothing before it may be more, by a rounding either.
+    #[test]
+    fn progress_ends_where_the_span_ends() {
+        for (count, threads) in (0..100).flat_map(|n| [(n, 1), (n, 2)]) {
+            let most = std::sync::Mutex::new(0.0_f64);
+            let report = |fraction: f64, _: &str| {
+                let mut most = most.lock().unwrap();
+                *most = most.max(fraction);
+                true
+            };
+            let jobs = |_: usize, check: Check<'_>| check(1.0);
+            run(count, threads, (&Monitor::new(&report), (0.02, 0.98)), &jobs).unwrap();
+            assert!(*most.lock().unwrap() <= 0.98, "{count} holes, {threads} threads");
         }
     }
 
