@@ -103,7 +103,40 @@ pub struct Completer<'a> {
 }
 
 /// What a library was made from.
-type Key = (Sources, Option<Arc<Appearance>>);
+struct Key {
+    sources: Sources,
+    appearance: Option<Arc<Appearance>>,
+    fills: Vec<(u32, Patch)>,
+}
+
+impl Key {
+    fn is(
+        &self,
+        sources: &Sources,
+        appearance: &Option<Arc<Appearance>>,
+        fills: &[(u32, harary::Initial<'_>)],
+    ) -> bool {
+        let same_values = match (&self.appearance, appearance) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let same = |(own, other): (&(u32, Patch), &(u32, harary::Initial<'_>))| {
+            let same_shape = own.1.positions == other.1.patch.positions;
+            own.0 == other.0 && same_shape && own.1.triangles == other.1.patch.triangles
+        };
+        let same_fills = self.fills.len() == fills.len() && self.fills.iter().zip(fills).all(same);
+        same_values && same_fills && self.sources == *sources
+    }
+}
+
+/// A hole whose coherent completion has not begun.
+struct Begun {
+    /// The smooth fill, or why there is none.
+    fill: std::result::Result<Fill, String>,
+    /// The one without options, where that is another: sources are looked for from it.
+    standard: Option<Fill>,
+    seconds: f64,
+}
 
 /// What became of one selected hole.
 type Outcome = std::result::Result<(Fill, f64), (String, f64)>;
@@ -129,25 +162,32 @@ impl<'a> Completer<'a> {
         Self { of_points: true, ..self }
     }
 
-    /// What coherent completions copy from, kept until other sources are asked for.
+    /// What completions copy from, kept until other sources are asked for. `fills`: smooth ones of several
+    /// holes, that others may copy from; fewer than two say nothing to each other.
     fn library(
         &self,
         options: &Options,
+        fills: &[(u32, harary::Initial<'_>)],
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Arc<Library>> {
+        let fills = if fills.len() > 1 { fills } else { &[] };
         let (sources, appearance) = (&options.sources, &options.appearance);
-        let same_values = |kept: &Option<Arc<Appearance>>| match (kept, appearance) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
-            (a, b) => a.is_none() && b.is_none(),
+        let key = || Key {
+            sources: sources.clone(),
+            appearance: appearance.clone(),
+            fills: fills.iter().map(|f| (f.0, f.1.patch.clone())).collect(),
         };
-        let same = |k: &Key| k.0 == *sources && same_values(&k.1);
         let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, library)) = kept.as_ref().filter(|k| same(&k.0)) {
+        if let Some((_, library)) = kept.as_ref().filter(|k| k.0.is(sources, appearance, fills)) {
             return Ok(library.clone());
         }
-        let library = Library::new(self.mesh, &self.rims(), sources, appearance.as_deref(), check)?;
+        let rims = self.rims();
+        let library = match fills.is_empty() {
+            true => Library::new(self.mesh, &rims, sources, appearance.as_deref(), check)?,
+            false => Library::completed(self.mesh, &rims, fills, !sources.unmirrored, check)?,
+        };
         let library = Arc::new(library);
-        *kept = Some(((sources.clone(), appearance.clone()), library.clone()));
+        *kept = Some((key(), library.clone()));
         Ok(library)
     }
 
@@ -170,16 +210,6 @@ impl<'a> Completer<'a> {
     /// All vertices of boundary loops.
     fn rims(&self) -> Vec<u32> {
         self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect()
-    }
-
-    /// The part of a coherent fill that making the library is, as it seems from here.
-    fn making(&self, fill: &Fill) -> f64 {
-        if self.library.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
-            return 0.0;
-        }
-        let library = Cost::of_library(self.mesh.vertices.len());
-        let new = fill.patch.positions.len() - fill.patch.rim_count;
-        library / (library + Cost::of(new, f64::INFINITY).all())
     }
 
     /// The holes found.
@@ -243,12 +273,26 @@ impl<'a> Completer<'a> {
             rounding: if single { Rounding::Single } else { Rounding::Double },
         };
         monitor.step(span.0, "filling")?;
-        let mut outcomes =
-            workers::run(todo.len(), options.threads, (monitor, span), &|i, check| {
-                let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
-                let hole = (todo[i], &points[i][..]);
-                self.fill_one(&around, &obstacles, hole, todo.len(), options, check)
-            })?;
+        let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
+        let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
+        let copies = copies(options);
+        // The smooth fills are there early; most of the time comes after them.
+        let middle = span.0 + (span.1 - span.0) * if copies { SMOOTH_SHARE } else { 1.0 };
+        let first = (monitor, (span.0, middle));
+        let begun = workers::run(&vec![1.0; todo.len()], options.threads, first, &|i, check| {
+            self.begin_fill(&around, &obstacles, holes[i], todo.len(), options, check)
+        })?;
+        let library = match copies {
+            true => Some(self.library_of(&around, &begun, options, (monitor, (middle, span.1)))?),
+            false => None,
+        };
+        let mut outcomes = match &library {
+            Some((library, made)) => {
+                let rest = (monitor, (*made, span.1));
+                self.continue_fills(&around, &obstacles, &holes, begun, library, options, rest)?
+            }
+            None => begun.into_iter().map(Begun::end).collect(),
+        };
         match options.method {
             Method::Harary => self.make_coherent(&around, &boxes, &mut outcomes, monitor)?,
             Method::Fragment => {
@@ -257,8 +301,8 @@ impl<'a> Completer<'a> {
             Method::Coherent | Method::Warp | Method::Smooth => {}
         }
         monitor.step(span.1.max(BESIDE.1), "checking the fills against each other")?;
-        let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
-        self.part_fills(&around, &boxes, &holes, &mut outcomes, options, monitor)?;
+        let library = library.as_ref().map(|l| &*l.0);
+        self.part_fills(&around, &boxes, &holes, &mut outcomes, library, options, monitor)?;
         let mut completion = assemble(
             blank(self.mesh, &self.holes, &wanted),
             &near,
@@ -330,8 +374,8 @@ impl<'a> Completer<'a> {
         bounds.grown(REACH * hole.diameter + REACH_EDGES * edge)
     }
 
-    /// Fills one of `holes` that are worked on.
-    fn fill_one(
+    /// Fills one of `holes` that are worked on, smoothly or with a part that was missing.
+    fn begin_fill(
         &self,
         around: &Surroundings<'_>,
         obstacles: &Obstacles<'_>,
@@ -339,8 +383,9 @@ impl<'a> Completer<'a> {
         holes: usize,
         options: &Options,
         check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<Outcome> {
+    ) -> Result<Begun> {
         let clock = Instant::now();
+        let seconds = || clock.elapsed().as_secs_f64();
         let local = |&v: &u32| around.near.local(v);
         let loops: Option<Vec<Vec<u32>>> = hole
             .loops
@@ -349,54 +394,134 @@ impl<'a> Completer<'a> {
             .collect();
         // The neighbourhood holds every face that touches the rim's box.
         let Some(loops) = loops else {
-            return Ok(Err(("its rim was not found again".into(), 0.0)));
+            let fill = Err("its rim was not found again".into());
+            return Ok(Begun { fill, standard: None, seconds: 0.0 });
         };
-        // The smooth fill is there early; most of a coherent one's time comes after it.
-        let copies = matches!(options.method, Method::Coherent | Method::Warp);
-        let share = if copies { SMOOTH_SHARE } else { 1.0 };
-        let early = |part: f64| check(share * part);
-        let late = |part: f64| check(share + (1.0 - share) * part);
-        let mut filled = match around.initial {
+        let mut fill = match around.initial {
             _ if options.guidance.part => {
                 let threads = workers::threads_inside(holes, options.threads);
                 self.fill_with_part(around, obstacles, (hole, &loops), options, threads, check)?
             }
-            Some(initial) => initial.fill_hole(around, &loops, obstacles, &early)?,
-            None => fill_hole(around, &loops, obstacles, &early)?,
+            Some(initial) => initial.fill_hole(around, &loops, obstacles, check)?,
+            None => fill_hole(around, &loops, obstacles, check)?,
         };
-        let copies = copies && !options.guidance.part;
-        let drawn = (points, options.guidance.softness);
-        if let Ok(fill) = &mut filled {
-            if let Err(why) = pull_fill(around, obstacles, fill, drawn, &early)? {
-                filled = Err(why);
+        if let Ok(smooth) = &mut fill {
+            let drawn = (points, options.guidance.softness);
+            if let Err(why) = pull_fill(around, obstacles, smooth, drawn, check)? {
+                fill = Err(why);
             }
         }
-        if let (true, Ok(fill)) = (copies, &mut filled) {
-            let threads = workers::threads_inside(holes, options.threads);
-            let making = self.making(fill);
-            let library = self.library(options, &|part| late(making * part))?;
-            let late = |part: f64| late(making + (1.0 - making) * part);
-            // Sources are looked for from the same fill whatever the options: what was found is kept.
-            let own = around.initial.is_some() || around.is_standard();
-            let own = own || options.method == Method::Warp;
-            let standard = match own || !around.is_near_standard(fill.outline.mean_size()) {
-                true => None,
-                false => fill_hole(&around.standard(), &loops, obstacles, &|_| late(0.0))?.ok(),
-            };
+        // Sources are looked for from the same fill whatever the options: what was found is kept.
+        let own = around.initial.is_some() || around.is_standard();
+        let own = own || options.method == Method::Warp || !copies(options);
+        let standard = match &fill {
+            Ok(fill) if !own && around.is_near_standard(fill.outline.mean_size()) => {
+                fill_hole(&around.standard(), &loops, obstacles, check)?.ok()
+            }
+            _ => None,
+        };
+        Ok(Begun { fill, standard, seconds: seconds() })
+    }
+
+    /// What the holes that were begun are completed from, and where in the call's progress it is there.
+    fn library_of(
+        &self,
+        around: &Surroundings<'_>,
+        begun: &[Begun],
+        options: &Options,
+        (monitor, span): (&Monitor, workers::Span),
+    ) -> Result<(Arc<Library>, f64)> {
+        let whole = options.sources.faces.is_none() && options.sources.exemplar.is_none();
+        let steered = options.appearance.as_ref().is_some_and(|a| a.steering > 0);
+        let share = whole && !steered && options.method == Method::Coherent;
+        let fills = begun.iter().enumerate().filter_map(|(i, b)| Some((i as u32, b.source()?)));
+        let fills: Vec<_> = match share {
+            true => fills.map(|(i, fill)| (i, initial_of(around, fill))).collect(),
+            false => Vec::new(),
+        };
+        let making = Cost::of_library(self.mesh.vertices.len());
+        let all = making + begun.iter().map(Begun::cost).sum::<f64>();
+        let made = span.0 + (span.1 - span.0) * (making / all);
+        let check = |part: f64| monitor.step(span.0 + (made - span.0) * part, "looking around");
+        Ok((self.library(options, &fills, &check)?, made))
+    }
+
+    /// Continues the fills that were begun.
+    #[allow(clippy::too_many_arguments)]
+    fn continue_fills(
+        &self,
+        around: &Surroundings<'_>,
+        obstacles: &Obstacles<'_>,
+        holes: &[(&Hole, &[DVec3])],
+        begun: Vec<Begun>,
+        library: &Library,
+        options: &Options,
+        progress: (&Monitor, workers::Span),
+    ) -> Result<Vec<Outcome>> {
+        let costs: Vec<f64> = begun.iter().map(Begun::cost).collect();
+        // Each is taken by one thread, once.
+        let begun: Vec<Mutex<Option<Begun>>> =
+            begun.into_iter().map(|b| Mutex::new(Some(b))).collect();
+        workers::run(&costs, options.threads, progress, &|i, check| {
+            let begun = begun[i].lock().unwrap_or_else(PoisonError::into_inner).take();
+            let begun = begun.unwrap_or_else(Begun::nothing);
+            let threads = workers::threads_inside(holes.len(), options.threads);
+            let library = library.for_hole(i as u32);
+            self.end_fill(around, obstacles, holes[i].1, begun, &library, threads, options, check)
+        })
+    }
+
+    /// Continues a fill that was begun.
+    #[allow(clippy::too_many_arguments)]
+    fn end_fill(
+        &self,
+        around: &Surroundings<'_>,
+        obstacles: &Obstacles<'_>,
+        points: &[DVec3],
+        begun: Begun,
+        library: &Library,
+        threads: usize,
+        options: &Options,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Outcome> {
+        let clock = Instant::now();
+        let Begun { mut fill, standard, seconds } = begun;
+        if let Ok(smooth) = &mut fill {
             let (guidance, candidates) = (&options.guidance, &Cell::new(0));
-            let (library, from) = (&library, standard.as_ref());
+            let from = standard.as_ref();
             let search = Search { library, from, guidance, candidates, threads };
-            self.continue_fill(around, obstacles, fill, options.method, &search, &late)?;
-            fill.candidates = candidates.get();
+            self.continue_fill(around, obstacles, smooth, options.method, &search, check)?;
+            smooth.candidates = candidates.get();
             // What was copied does not know of the points; a smooth fill went through them already.
-            if fill.method != Method::Smooth {
-                if let Err(why) = pull_fill(around, obstacles, fill, drawn, &|_| late(1.0))? {
-                    filled = Err(why);
+            if smooth.method != Method::Smooth {
+                let drawn = (points, guidance.softness);
+                if let Err(why) = pull_fill(around, obstacles, smooth, drawn, &|_| check(1.0))? {
+                    fill = Err(why);
                 }
             }
         }
-        let seconds = clock.elapsed().as_secs_f64();
-        Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
+        let seconds = seconds + clock.elapsed().as_secs_f64();
+        Ok(fill.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
+    }
+
+    /// Fills a hole from the first to the last step.
+    fn fill_one(
+        &self,
+        around: &Surroundings<'_>,
+        obstacles: &Obstacles<'_>,
+        (hole, points): (&Hole, &[DVec3]),
+        library: Option<&Library>,
+        options: &Options,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Outcome> {
+        let begun = self.begin_fill(around, obstacles, (hole, points), 1, options, check)?;
+        let threads = thread_count(options.threads);
+        match library {
+            Some(library) => {
+                self.end_fill(around, obstacles, points, begun, library, threads, options, check)
+            }
+            None => Ok(begun.end()),
+        }
     }
 
     /// Fills a hole with a part that lies over it whole: the one that was placed, or the first of the places
@@ -410,7 +535,7 @@ impl<'a> Completer<'a> {
         threads: usize,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<std::result::Result<Fill, String>> {
-        let library = self.library(options, &|part| check(0.3 * part))?;
+        let library = self.library(options, &[], &|part| check(0.3 * part))?;
         let rim: Vec<Vec<u32>> =
             hole.loops.iter().map(|&l| self.holes.loops[l].vertices.clone()).collect();
         let ring = part::ring_around(around, &library, loops);
@@ -459,7 +584,7 @@ impl<'a> Completer<'a> {
         monitor: &Monitor,
     ) -> Result<()> {
         let mut fills = filled(outcomes);
-        let initial = initial_of(around, &fills);
+        let initial: Vec<_> = fills.iter().map(|fill| initial_of(around, fill)).collect();
         let made = workers::beside(
             (monitor, BESIDE),
             "continuing what the object shows",
@@ -484,7 +609,7 @@ impl<'a> Completer<'a> {
         monitor: &Monitor,
     ) -> Result<()> {
         let mut fills = filled(outcomes);
-        let initial = initial_of(around, &fills);
+        let initial: Vec<_> = fills.iter().map(|fill| initial_of(around, fill)).collect();
         let asked = fragment::Asked {
             rims: &self.rims(),
             of_points: self.of_points,
@@ -552,6 +677,7 @@ impl<'a> Completer<'a> {
         boxes: &[Bounds],
         todo: &[(&Hole, &[DVec3])],
         outcomes: &mut [Outcome],
+        library: Option<&Library>,
         options: &Options,
         monitor: &Monitor,
     ) -> Result<()> {
@@ -590,8 +716,10 @@ impl<'a> Completer<'a> {
                 _ => false,
             };
             if meets {
+                let library = library.map(|l| l.for_hole(i as u32));
+                let (library, check) = (library.as_ref(), |_| monitor.check());
                 outcomes[i] =
-                    self.fill_one(around, &obstacles, todo[i], 1, options, &|_| monitor.check())?;
+                    self.fill_one(around, &obstacles, todo[i], library, options, &check)?;
             }
         }
         Ok(())
@@ -603,13 +731,40 @@ fn filled(outcomes: &mut [Outcome]) -> Vec<&mut Fill> {
     outcomes.iter_mut().filter_map(|o| o.as_mut().ok()).map(|o| &mut o.0).collect()
 }
 
-/// The same as what to start from.
-fn initial_of<'f>(around: &Surroundings<'_>, fills: &'f [&mut Fill]) -> Vec<harary::Initial<'f>> {
+/// A fill as what to start from.
+fn initial_of<'f>(around: &Surroundings<'_>, fill: &'f Fill) -> harary::Initial<'f> {
     let input = |&v: &u32| around.near.vertices[v as usize];
-    let one = |fill: &'f &mut Fill| harary::Initial {
+    harary::Initial {
         rim: fill.outline.vertices.iter().map(input).collect(),
         patch: &fill.patch,
         taken: &fill.outline.taken,
-    };
-    fills.iter().map(one).collect()
+    }
+}
+
+/// Whether fills are continued from a library, one by one.
+fn copies(options: &Options) -> bool {
+    matches!(options.method, Method::Coherent | Method::Warp) && !options.guidance.part
+}
+
+impl Begun {
+    fn nothing() -> Self {
+        Self { fill: Err("it was not begun".into()), standard: None, seconds: 0.0 }
+    }
+
+    /// The fill that others may copy from.
+    fn source(&self) -> Option<&Fill> {
+        self.standard.as_ref().or(self.fill.as_ref().ok())
+    }
+
+    /// What its completion costs, about.
+    fn cost(&self) -> f64 {
+        let new = |fill: &Fill| fill.patch.positions.len() - fill.patch.rim_count;
+        Cost::of(self.fill.as_ref().map_or(0, new), f64::INFINITY).all()
+    }
+
+    /// As it is.
+    fn end(self) -> Outcome {
+        let seconds = self.seconds;
+        self.fill.map(|f| (f, seconds)).map_err(|why| (why, seconds))
+    }
 }

@@ -10,6 +10,7 @@ pub mod icp;
 pub mod object;
 pub mod paint;
 pub mod patch;
+pub mod point_tree;
 pub mod rigid;
 pub mod ring_pattern;
 pub mod search;

@@ -340,7 +340,7 @@ mod tests {
     use super::*;
     use crate::descriptor::voting::voted_curvatures;
     use crate::matching::paint::Paint;
-    use crate::matching::source::PointTree;
+    use crate::matching::point_tree::PointTree;
     use crate::options::Appearance;
 
     const RADIUS: f64 = 0.3;
@@ -412,7 +412,7 @@ mod tests {
         source = source.painted(&Paint::new(&appearance));
         let features = Features::new(&source, &vec![[0.0; 2]; source.positions.len()]);
         let ids = (0..source.positions.len() as u32).collect();
-        source.points = PointTree::new(&source.positions, ids, &|_| Ok(())).unwrap();
+        source.edit().points = PointTree::new(&source.positions, ids, &|_| Ok(())).unwrap();
         let centre = DVec3::new(0.5, 0.4, 0.0);
         let turn = DMat3::from_rotation_z(1.0);
         let truth = Rigid { linear: turn, translation: DVec3::new(1.0, 2.0, 0.0) };
