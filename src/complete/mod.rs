@@ -1,6 +1,7 @@
 //! The whole chain: the neighbourhood of the holes copied out, each hole filled, the fills put
 //! together.
 
+mod apart;
 mod assemble;
 mod check;
 mod coherent;
@@ -14,19 +15,17 @@ mod part;
 mod pulled;
 mod searches;
 mod smooth;
+mod together;
 mod warp;
 mod workers;
 
 use crate::error::{Error, Result};
-use crate::fill::patch::Patch;
 use crate::fill::sheet::Incidence;
-use crate::guidance::Guidance;
 use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
 use crate::options::{Appearance, Grouping, Method, Options, Sources};
-use crate::parallel::thread_count;
 #[cfg(feature = "capi")]
 pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
@@ -39,10 +38,9 @@ use glam::DVec3;
 use initial::InitialFaces;
 use library::Library;
 use pulled::{pull_fill, share_points};
-use smooth::{fill_hole, Fill, Story, Surroundings};
+use smooth::{fill_hole, Fill, Surroundings};
 use std::cell::Cell;
 use std::collections::HashSet;
-use std::slice::from_ref;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -273,32 +271,6 @@ impl<'a> Completer<'a> {
         Ok(completion)
     }
 
-    /// The `count` best candidates, best first: the completion that each alone makes, with its transform,
-    /// error and confidence in the reports. Fewer if there are fewer; of holes that have different numbers
-    /// as many as one has, and those that have no more get smooth fills. None if nothing serves.
-    /// The search is done once. `options.guidance.candidate` is not read.
-    pub fn candidates(
-        &self,
-        count: usize,
-        options: &Options,
-        monitor: &Monitor,
-    ) -> Result<Vec<Completion>> {
-        let mut all = Vec::new();
-        for candidate in 1..=count {
-            let guidance = Guidance { candidate, ..options.guidance.clone() };
-            let done = |part: f64| (candidate as f64 - 1.0 + part) / count as f64;
-            let report = |part: f64, stage: &str| monitor.step(done(part), stage).is_ok();
-            let own = Options { guidance, ..options.clone() };
-            let made = self.complete(&own, &Monitor::new(&report))?;
-            if made.holes.iter().all(|h| h.candidates < candidate) {
-                break;
-            }
-            all.push(made);
-        }
-        monitor.step(1.0, "done")?;
-        Ok(all)
-    }
-
     /// The last result, if the same was asked for.
     fn last_if(&self, asked: &Options) -> Option<Completion> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
@@ -399,129 +371,6 @@ impl<'a> Completer<'a> {
         Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
     }
 
-    /// Fills a hole with a part that lies over it whole: the one that was placed, or the first of the places
-    /// found (of a number, the one of that number) that keeps the contract.
-    fn fill_with_part(
-        &self,
-        around: &Surroundings<'_>,
-        obstacles: &Obstacles<'_>,
-        (hole, loops): (&Hole, &[Vec<u32>]),
-        options: &Options,
-        threads: usize,
-        check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<std::result::Result<Fill, String>> {
-        let library = self.library(options, &|part| check(0.3 * part))?;
-        let rim: Vec<Vec<u32>> =
-            hole.loops.iter().map(|&l| self.holes.loops[l].vertices.clone()).collect();
-        let ring = part::ring_around(around, &library, loops);
-        let at = |&v: &u32| library.known.positions[v as usize];
-        let positions: Vec<DVec3> = rim.iter().flatten().map(at).collect();
-        let target = part::target_of(&ring, &positions);
-        let guidance = &options.guidance;
-        let late = |part: f64| check(0.3 + 0.4 * part);
-        let found = guided::transforms(&library, guidance, from_ref(&target), threads, &late)?;
-        let wanted = part::Wanted {
-            mesh: self.mesh,
-            library: &library,
-            rim: &rim,
-            local: loops,
-            ring: &ring,
-        };
-        let (mut first, mut good) = (None, 0);
-        for transform in found.iter().flatten() {
-            let made = part::take_part(around, obstacles, &wanted, transform, &|| check(0.8))?;
-            match made {
-                Ok(fill) => {
-                    good += 1;
-                    if good >= guidance.candidate {
-                        return Ok(Ok(Fill { candidates: good.min(guidance.candidate), ..fill }));
-                    }
-                }
-                Err(why) => first = first.or(Some(why)),
-            }
-        }
-        Ok(Err(match (first, good) {
-            (Some(why), 0) => why,
-            (None, 0) => "no place with surroundings like its own was found: give the part's \
-                          transform"
-                .into(),
-            _ => format!("only {good} places have a part for it"),
-        }))
-    }
-
-    /// The smooth fills made coherent with the object (Harary et al. 2014): of each hole the most
-    /// coherent one that keeps the contract, the smooth one at the worst.
-    fn make_coherent(
-        &self,
-        around: &Surroundings<'_>,
-        boxes: &[Bounds],
-        outcomes: &mut [Outcome],
-        monitor: &Monitor,
-    ) -> Result<()> {
-        let mut fills = filled(outcomes);
-        let initial = initial_of(around, &fills);
-        let made = workers::beside(
-            (monitor, BESIDE),
-            "continuing what the object shows",
-            &|inner, done| harary::complete_holes_harary(self.mesh, &initial, inner, done),
-        )?;
-        for (fill, coherent) in fills.iter_mut().zip(made) {
-            fill.coherence_error = Some(coherent.errors).filter(|e| e[0].is_finite());
-            let offered = coherent.patches.into_iter().map(|patch| (patch, None));
-            self.settle_first(around, boxes, fill, Method::Harary, offered, monitor)?;
-        }
-        Ok(())
-    }
-
-    /// The smooth fills replaced by fragments of the object (Bendels et al. 2005): of each hole those of
-    /// the finest scale that keep the contract, the smooth one at the worst.
-    fn paste_fragments(
-        &self,
-        around: &Surroundings<'_>,
-        boxes: &[Bounds],
-        outcomes: &mut [Outcome],
-        options: &Options,
-        monitor: &Monitor,
-    ) -> Result<()> {
-        let mut fills = filled(outcomes);
-        let initial = initial_of(around, &fills);
-        let asked = fragment::Asked {
-            rims: &self.rims(),
-            of_points: self.of_points,
-            mirrored: !options.sources.unmirrored,
-            threads: thread_count(options.threads),
-        };
-        let made = workers::beside((monitor, BESIDE), "copying fragments", &|inner, done| {
-            fragment::complete_holes(self.mesh, &initial, &asked, inner, done)
-        })?;
-        for (fill, completed) in fills.iter_mut().zip(made) {
-            let offered = completed.patches.into_iter().map(|(patch, story)| (patch, Some(story)));
-            self.settle_first(around, boxes, fill, Method::Fragment, offered, monitor)?;
-        }
-        Ok(())
-    }
-
-    /// Takes the first of some patches that keeps the contract; the fill stands if none does.
-    fn settle_first(
-        &self,
-        around: &Surroundings<'_>,
-        boxes: &[Bounds],
-        fill: &mut Fill,
-        method: Method,
-        offered: impl Iterator<Item = (Patch, Option<Story>)>,
-        monitor: &Monitor,
-    ) -> Result<()> {
-        let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &[] };
-        for (patch, story) in offered {
-            monitor.check()?;
-            if let Ok(patch) = obstacles.settle(around, patch, &|| monitor.check())? {
-                (fill.patch, fill.story, fill.method) = (patch, story, method);
-                break;
-            }
-        }
-        Ok(())
-    }
-
     /// A smooth fill continued from what the object shows; it stands where nothing on the object serves
     /// or the result meets something.
     fn continue_fill(
@@ -544,72 +393,4 @@ impl<'a> Completer<'a> {
         }
         Ok(())
     }
-
-    /// Fills made side by side may meet: the later one is then made again around the earlier.
-    fn part_fills(
-        &self,
-        around: &Surroundings<'_>,
-        boxes: &[Bounds],
-        todo: &[(&Hole, &[DVec3])],
-        outcomes: &mut [Outcome],
-        options: &Options,
-        monitor: &Monitor,
-    ) -> Result<()> {
-        let bounds: Vec<Bounds> = outcomes
-            .iter()
-            .map(|o| match o {
-                Ok((fill, _)) => Bounds::of(fill.patch.positions.iter().copied()),
-                Err(_) => Bounds::EMPTY,
-            })
-            .collect();
-        let mut order: Vec<usize> = (0..bounds.len()).collect();
-        order.sort_by(|&a, &b| bounds[a].min.x.total_cmp(&bounds[b].min.x).then(a.cmp(&b)));
-        // Neighbours by a sweep along x; for each fill the earlier holes whose box meets its own.
-        let mut earlier: Vec<Vec<usize>> = vec![Vec::new(); bounds.len()];
-        for (place, &a) in order.iter().enumerate() {
-            for &b in &order[place + 1..] {
-                if bounds[b].min.x > bounds[a].max.x {
-                    break;
-                }
-                if bounds[a].overlaps(&bounds[b]) {
-                    earlier[a.max(b)].push(a.min(b));
-                }
-            }
-        }
-        for i in 0..outcomes.len() {
-            monitor.check()?;
-            earlier[i].sort_unstable();
-            let others: Vec<[DVec3; 3]> = earlier[i]
-                .iter()
-                .filter_map(|&j| outcomes[j].as_ref().ok())
-                .flat_map(|(f, _)| f.patch.triangles.iter().map(|t| t.map(|v| f.patch.p(v))))
-                .collect();
-            let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &others };
-            let meets = match &outcomes[i] {
-                Ok((fill, _)) if !others.is_empty() => obstacles.meets(around, &fill.patch),
-                _ => false,
-            };
-            if meets {
-                outcomes[i] =
-                    self.fill_one(around, &obstacles, todo[i], 1, options, &|_| monitor.check())?;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The fills there are.
-fn filled(outcomes: &mut [Outcome]) -> Vec<&mut Fill> {
-    outcomes.iter_mut().filter_map(|o| o.as_mut().ok()).map(|o| &mut o.0).collect()
-}
-
-/// The same as what to start from.
-fn initial_of<'f>(around: &Surroundings<'_>, fills: &'f [&mut Fill]) -> Vec<harary::Initial<'f>> {
-    let input = |&v: &u32| around.near.vertices[v as usize];
-    let one = |fill: &'f &mut Fill| harary::Initial {
-        rim: fill.outline.vertices.iter().map(input).collect(),
-        patch: &fill.patch,
-        taken: &fill.outline.taken,
-    };
-    fills.iter().map(one).collect()
 }
