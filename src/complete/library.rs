@@ -15,11 +15,12 @@ use crate::matching::search::{
 };
 use crate::matching::signature::Features;
 use crate::matching::source::Source;
+use crate::matching::symmetry::symmetries;
 use crate::mesh::neighbourhood::NONE;
 use crate::mesh::MeshView;
 use crate::options::{Appearance, Sources};
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// What is made once a mesh and kept: what is known, what may be copied from, and its maps by scale.
 #[derive(Clone)]
@@ -50,6 +51,7 @@ pub struct Kept {
     /// The same by [`crate::Method::Warp`].
     pub warped: Searches<Arc<Vec<Rigid>>>,
     features: Mutex<Option<Arc<Described>>>,
+    symmetries: OnceLock<Arc<Vec<Rigid>>>,
 }
 
 /// What signatures are taken of: all that is known, and what was chosen of it and of exemplars.
@@ -142,7 +144,18 @@ impl Library {
         let known = self.cloud(&self.known, 0, radius, check)?;
         let chosen = self.chosen.as_ref().map(|s| self.cloud(s, 1, radius, check)).transpose()?;
         let of_source = chosen.unwrap_or_else(|| known.clone());
-        let make = || Maps::new(self.source(), radius, of_source, known, self.mirrored, check);
+        // An exemplar lies elsewhere.
+        let symmetries = match self.chosen {
+            Some(_) => Arc::default(),
+            None => {
+                let find = || Arc::new(symmetries(&self.known, self.mirrored));
+                self.kept.symmetries.get_or_init(find).clone()
+            }
+        };
+        let make = || {
+            let maps = Maps::new(self.source(), radius, of_source, known, self.mirrored, check)?;
+            Ok(maps.with_symmetries(symmetries))
+        };
         once(&self.kept.maps, scale, make)
     }
 

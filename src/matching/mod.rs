@@ -18,3 +18,4 @@ pub mod signature;
 pub mod similarity;
 pub mod source;
 pub mod stretch;
+pub mod symmetry;
