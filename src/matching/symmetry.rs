@@ -56,10 +56,10 @@ mod tests {
     use super::*;
     use crate::mesh::MeshView;
 
-    /// A bumpy ball whose bumps are mirrored in one plane, a part of it missing: the reflection comes back
-    /// as one of the transforms, wherever the ball lies; without reflections it does not.
+    /// A bumpy ellipsoid whose bumps are mirrored in one plane, a part of it missing: the reflection comes back
+    /// as one of the transforms, wherever it lies; without reflections it does not.
     #[test]
-    fn the_mirror_of_a_broken_ball_is_found() {
+    fn the_mirror_of_a_broken_body_is_found() {
         let moved = some_transform(false);
         let (rows, columns) = (40_u32, 80_u32);
         let at = |i: u32, j: u32| {
@@ -69,7 +69,7 @@ mod tests {
             // Even in y alone.
             let bumps = 0.1 * (5.0 * d.x + 1.0).sin() + 0.1 * (4.0 * d.z - 2.0 * d.x).cos();
             let r = 1.0 + bumps + 0.1 * (6.0 * d.y).cos() + 0.4 * d.z.max(0.0);
-            moved.point(r * d).to_array()
+            moved.point(r * d * DVec3::new(1.6, 0.8, 1.1)).to_array()
         };
         let vertices: Vec<[f64; 3]> =
             (0..=rows).flat_map(|i| (0..columns).map(move |j| at(i, j))).collect();
