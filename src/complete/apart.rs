@@ -1,12 +1,11 @@
 //! Fills that were made side by side, kept off each other.
 
 use super::check::Obstacles;
-use super::smooth::Surroundings;
+use super::continued::Call;
+use super::library::Library;
 use super::{Completer, Outcome};
 use crate::error::Result;
-use crate::holes::Hole;
 use crate::mesh::neighbourhood::Bounds;
-use crate::options::Options;
 use crate::progress::Monitor;
 use glam::DVec3;
 
@@ -14,11 +13,9 @@ impl Completer<'_> {
     /// Fills made side by side may meet: the later one is then made again around the earlier.
     pub(super) fn part_fills(
         &self,
-        around: &Surroundings<'_>,
-        boxes: &[Bounds],
-        todo: &[(&Hole, &[DVec3])],
+        call: &Call<'_>,
         outcomes: &mut [Outcome],
-        options: &Options,
+        library: Option<&Library>,
         monitor: &Monitor,
     ) -> Result<()> {
         let bounds: Vec<Bounds> = outcomes
@@ -50,14 +47,14 @@ impl Completer<'_> {
                 .filter_map(|&j| outcomes[j].as_ref().ok())
                 .flat_map(|(f, _)| f.patch.triangles.iter().map(|t| t.map(|v| f.patch.p(v))))
                 .collect();
-            let obstacles = Obstacles { mesh: self.mesh, covered: boxes, others: &others };
+            let obstacles = Obstacles { mesh: self.mesh, covered: call.boxes, others: &others };
             let meets = match &outcomes[i] {
-                Ok((fill, _)) if !others.is_empty() => obstacles.meets(around, &fill.patch),
+                Ok((fill, _)) if !others.is_empty() => obstacles.meets(call.around, &fill.patch),
                 _ => false,
             };
             if meets {
-                outcomes[i] =
-                    self.fill_one(around, &obstacles, todo[i], 1, options, &|_| monitor.check())?;
+                let check = |_| monitor.check();
+                outcomes[i] = self.fill_one(call, &obstacles, i, library, &check)?;
             }
         }
         Ok(())

@@ -66,7 +66,7 @@ pub fn transforms(
     }
     if let Some(range) = guidance.scales.filter(|&range| range != [1.0, 1.0]) {
         let make = || search_scales(library, targets, range, threads, check);
-        return library.scaled.find(targets, Some(range), make);
+        return library.kept.scaled.find(targets, Some(range), make);
     }
     let found = library.candidates(targets, threads, check)?;
     let transforms = |list: &Vec<Candidate>| list.iter().map(|c| c.transform).collect();
@@ -195,7 +195,7 @@ pub fn rank(
     target: &Target<'_>,
     look: &dyn Fn() -> Result<Option<RankedView>>,
 ) -> Result<Arc<Vec<Rigid>>> {
-    library.ranked.find(from_ref(target), guidance.scales, || {
+    library.kept.ranked.find(from_ref(target), guidance.scales, || {
         Ok(look()?.map_or_else(Arc::default, |ranked| Arc::new(ranked.distinct(target))))
     })
 }

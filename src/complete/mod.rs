@@ -6,6 +6,7 @@ mod assemble;
 mod check;
 mod coherent;
 mod coloured;
+mod continued;
 mod fragment;
 mod guided;
 pub mod harary;
@@ -25,21 +26,20 @@ use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
-use crate::options::{Appearance, Grouping, Method, Options, Sources};
+use crate::options::{Grouping, Method, Options};
 #[cfg(feature = "capi")]
 pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
 use crate::result::Completion;
 use assemble::{assemble, blank};
-use check::{Obstacles, Rounding};
-use coherent::{Cost, Search};
+use check::Rounding;
+use continued::{Call, Key};
 use cpu_time::ProcessTime;
 use glam::DVec3;
 use initial::InitialFaces;
 use library::Library;
-use pulled::{pull_fill, share_points};
-use smooth::{fill_hole, Fill, Surroundings};
-use std::cell::Cell;
+use pulled::share_points;
+use smooth::{Fill, Surroundings};
 use std::collections::HashSet;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -50,8 +50,6 @@ const REACH: f64 = 0.3;
 /// And at least this many mean rim edges.
 const REACH_EDGES: f64 = 6.0;
 
-/// The part of a coherent fill's time in which its initial completion is made.
-const SMOOTH_SHARE: f64 = 0.03;
 /// Part of the call's progress in which what follows the smooth fills of some methods is made.
 const BESIDE: workers::Span = (0.05, 0.98);
 
@@ -100,9 +98,6 @@ pub struct Completer<'a> {
     spent: (Duration, Duration),
 }
 
-/// What a library was made from.
-type Key = (Sources, Option<Arc<Appearance>>);
-
 /// What became of one selected hole.
 type Outcome = std::result::Result<(Fill, f64), (String, f64)>;
 
@@ -127,28 +122,6 @@ impl<'a> Completer<'a> {
         Self { of_points: true, ..self }
     }
 
-    /// What coherent completions copy from, kept until other sources are asked for.
-    fn library(
-        &self,
-        options: &Options,
-        check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<Arc<Library>> {
-        let (sources, appearance) = (&options.sources, &options.appearance);
-        let same_values = |kept: &Option<Arc<Appearance>>| match (kept, appearance) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        let same = |k: &Key| k.0 == *sources && same_values(&k.1);
-        let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, library)) = kept.as_ref().filter(|k| same(&k.0)) {
-            return Ok(library.clone());
-        }
-        let library = Library::new(self.mesh, &self.rims(), sources, appearance.as_deref(), check)?;
-        let library = Arc::new(library);
-        *kept = Some(((sources.clone(), appearance.clone()), library.clone()));
-        Ok(library)
-    }
-
     /// The vertices that fills are only joined at, as those of the neighbourhood.
     fn loose(&self, near: &Neighbourhood, given: &[u32]) -> Result<Vec<u32>> {
         if given.is_empty() {
@@ -168,16 +141,6 @@ impl<'a> Completer<'a> {
     /// All vertices of boundary loops.
     fn rims(&self) -> Vec<u32> {
         self.holes.loops.iter().flat_map(|l| l.vertices.iter().copied()).collect()
-    }
-
-    /// The part of a coherent fill that making the library is, as it seems from here.
-    fn making(&self, fill: &Fill) -> f64 {
-        if self.library.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
-            return 0.0;
-        }
-        let library = Cost::of_library(self.mesh.vertices.len());
-        let new = fill.patch.positions.len() - fill.patch.rim_count;
-        library / (library + Cost::of(new, f64::INFINITY).all())
     }
 
     /// The holes found.
@@ -241,12 +204,9 @@ impl<'a> Completer<'a> {
             rounding: if single { Rounding::Single } else { Rounding::Double },
         };
         monitor.step(span.0, "filling")?;
-        let mut outcomes =
-            workers::run(todo.len(), options.threads, (monitor, span), &|i, check| {
-                let obstacles = Obstacles { mesh: self.mesh, covered: &boxes, others: &[] };
-                let hole = (todo[i], &points[i][..]);
-                self.fill_one(&around, &obstacles, hole, todo.len(), options, check)
-            })?;
+        let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
+        let call = Call { around: &around, boxes: &boxes, holes: &holes, options };
+        let (mut outcomes, library) = self.fill_all(&call, (monitor, span))?;
         match options.method {
             Method::Harary => self.make_coherent(&around, &boxes, &mut outcomes, monitor)?,
             Method::Fragment => {
@@ -255,8 +215,7 @@ impl<'a> Completer<'a> {
             Method::Coherent | Method::Warp | Method::Smooth => {}
         }
         monitor.step(span.1.max(BESIDE.1), "checking the fills against each other")?;
-        let holes: Vec<_> = todo.iter().copied().zip(points.iter().map(|p| &p[..])).collect();
-        self.part_fills(&around, &boxes, &holes, &mut outcomes, options, monitor)?;
+        self.part_fills(&call, &mut outcomes, library.as_deref(), monitor)?;
         let mut completion = assemble(
             blank(self.mesh, &self.holes, &wanted),
             &near,
@@ -300,97 +259,5 @@ impl<'a> Completer<'a> {
         let bounds = Bounds::of(rim.map(|&v| DVec3::from(self.mesh.vertices.get(v as usize))));
         let edge = hole.circumference / hole.edges.max(1) as f64;
         bounds.grown(REACH * hole.diameter + REACH_EDGES * edge)
-    }
-
-    /// Fills one of `holes` that are worked on.
-    fn fill_one(
-        &self,
-        around: &Surroundings<'_>,
-        obstacles: &Obstacles<'_>,
-        (hole, points): (&Hole, &[DVec3]),
-        holes: usize,
-        options: &Options,
-        check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<Outcome> {
-        let clock = Instant::now();
-        let local = |&v: &u32| around.near.local(v);
-        let loops: Option<Vec<Vec<u32>>> = hole
-            .loops
-            .iter()
-            .map(|&l| self.holes.loops[l].vertices.iter().map(local).collect())
-            .collect();
-        // The neighbourhood holds every face that touches the rim's box.
-        let Some(loops) = loops else {
-            return Ok(Err(("its rim was not found again".into(), 0.0)));
-        };
-        // The smooth fill is there early; most of a coherent one's time comes after it.
-        let copies = matches!(options.method, Method::Coherent | Method::Warp);
-        let share = if copies { SMOOTH_SHARE } else { 1.0 };
-        let early = |part: f64| check(share * part);
-        let late = |part: f64| check(share + (1.0 - share) * part);
-        let mut filled = match around.initial {
-            _ if options.guidance.part => {
-                let threads = workers::threads_inside(holes, options.threads);
-                self.fill_with_part(around, obstacles, (hole, &loops), options, threads, check)?
-            }
-            Some(initial) => initial.fill_hole(around, &loops, obstacles, &early)?,
-            None => fill_hole(around, &loops, obstacles, &early)?,
-        };
-        let copies = copies && !options.guidance.part;
-        let drawn = (points, options.guidance.softness);
-        if let Ok(fill) = &mut filled {
-            if let Err(why) = pull_fill(around, obstacles, fill, drawn, &early)? {
-                filled = Err(why);
-            }
-        }
-        if let (true, Ok(fill)) = (copies, &mut filled) {
-            let threads = workers::threads_inside(holes, options.threads);
-            let making = self.making(fill);
-            let library = self.library(options, &|part| late(making * part))?;
-            let late = |part: f64| late(making + (1.0 - making) * part);
-            // Sources are looked for from the same fill whatever the options: what was found is kept.
-            let own = around.initial.is_some() || around.is_standard();
-            let own = own || options.method == Method::Warp;
-            let standard = match own || !around.is_near_standard(fill.outline.mean_size()) {
-                true => None,
-                false => fill_hole(&around.standard(), &loops, obstacles, &|_| late(0.0))?.ok(),
-            };
-            let (guidance, candidates) = (&options.guidance, &Cell::new(0));
-            let (library, from) = (&library, standard.as_ref());
-            let search = Search { library, from, guidance, candidates, threads };
-            self.continue_fill(around, obstacles, fill, options.method, &search, &late)?;
-            fill.candidates = candidates.get();
-            // What was copied does not know of the points; a smooth fill went through them already.
-            if fill.method != Method::Smooth {
-                if let Err(why) = pull_fill(around, obstacles, fill, drawn, &|_| late(1.0))? {
-                    filled = Err(why);
-                }
-            }
-        }
-        let seconds = clock.elapsed().as_secs_f64();
-        Ok(filled.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
-    }
-
-    /// A smooth fill continued from what the object shows; it stands where nothing on the object serves
-    /// or the result meets something.
-    fn continue_fill(
-        &self,
-        around: &Surroundings<'_>,
-        obstacles: &Obstacles<'_>,
-        fill: &mut Fill,
-        method: Method,
-        search: &Search<'_>,
-        check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<()> {
-        let made = match method {
-            Method::Warp => warp::complete_hole(around, fill, search, check)?,
-            _ => coherent::complete_hole(around, fill, search, check)?,
-        };
-        let Some((patch, story)) = made else { return Ok(()) };
-        if let Ok(patch) = obstacles.settle(around, patch, &|| check(1.0))? {
-            fill.coherence_error = story.coherence_error;
-            (fill.patch, fill.story, fill.method) = (patch, Some(story), method);
-        }
-        Ok(())
     }
 }

@@ -21,7 +21,7 @@ impl Completer<'_> {
         monitor: &Monitor,
     ) -> Result<()> {
         let mut fills = filled(outcomes);
-        let initial = initial_of(around, &fills);
+        let initial: Vec<_> = fills.iter().map(|fill| initial_of(around, fill)).collect();
         let made = workers::beside(
             (monitor, BESIDE),
             "continuing what the object shows",
@@ -46,7 +46,7 @@ impl Completer<'_> {
         monitor: &Monitor,
     ) -> Result<()> {
         let mut fills = filled(outcomes);
-        let initial = initial_of(around, &fills);
+        let initial: Vec<_> = fills.iter().map(|fill| initial_of(around, fill)).collect();
         let asked = fragment::Asked {
             rims: &self.rims(),
             of_points: self.of_points,
@@ -90,13 +90,12 @@ fn filled(outcomes: &mut [Outcome]) -> Vec<&mut Fill> {
     outcomes.iter_mut().filter_map(|o| o.as_mut().ok()).map(|o| &mut o.0).collect()
 }
 
-/// The same as what to start from.
-fn initial_of<'f>(around: &Surroundings<'_>, fills: &'f [&mut Fill]) -> Vec<harary::Initial<'f>> {
+/// A fill as what to start from.
+pub(super) fn initial_of<'f>(around: &Surroundings<'_>, fill: &'f Fill) -> harary::Initial<'f> {
     let input = |&v: &u32| around.near.vertices[v as usize];
-    let one = |fill: &'f &mut Fill| harary::Initial {
+    harary::Initial {
         rim: fill.outline.vertices.iter().map(input).collect(),
         patch: &fill.patch,
         taken: &fill.outline.taken,
-    };
-    fills.iter().map(one).collect()
+    }
 }

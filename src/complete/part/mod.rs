@@ -93,7 +93,7 @@ impl Completer<'_> {
         threads: usize,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<std::result::Result<Fill, String>> {
-        let library = self.library(options, &|part| check(0.3 * part))?;
+        let library = self.library(options, &[], &|part| check(0.3 * part))?;
         let rim: Vec<Vec<u32>> =
             hole.loops.iter().map(|&l| self.holes.loops[l].vertices.clone()).collect();
         let ring = ring_around(around, &library, loops);
