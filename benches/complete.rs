@@ -63,8 +63,9 @@ fn fill(c: &mut Criterion) {
 /// of one thread, which other programs hardly change.
 fn appearance(c: &mut Criterion) {
     let mut group = c.benchmark_group("appearance");
-    group.sample_size(10).measurement_time(Duration::from_secs(8));
-    for (kind, resolution) in [(Break::Disc, 200), (Break::Several, 385)] {
+    group.sample_size(10).warm_up_time(Duration::from_millis(500));
+    group.measurement_time(Duration::from_secs(8));
+    for (kind, resolution) in [(Break::Disc, 100), (Break::Several, 190)] {
         let mesh = broken(Sample::Vessel, kind, resolution);
         let paint = Sample::Vessel.paint(&mesh.vertices).expect("the vessel is painted");
         let values = paint.iter().flat_map(|c| c[..3].iter().map(|&x| f64::from(x))).collect();
