@@ -558,8 +558,9 @@ mod tests {
         let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, &[1.0], 0.0);
         let mut found = [Vec::new()];
         pattern.compare(&map(&level(0.3, 0.1)), true, &mut found);
-        assert!(!found[0].is_empty());
-        for c in &found[0] {
+        let [found] = found;
+        assert!(!found.is_empty());
+        for c in &found {
             assert!(c.cost < 0.01, "{}", c.cost);
             // The slope is undone by the transform.
             let up = c.transform.direction(DVec3::new(-0.3, 0.0, 1.0).normalize());
