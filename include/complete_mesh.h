@@ -483,6 +483,8 @@ typedef struct complete_mesh_source {
   double weight;
   // How many new vertices have their detail from here.
   size_t vertex_count;
+  // How many new vertices have their values (vertex_values of the options), but not their shape, from here.
+  size_t coloured_count;
 } complete_mesh_source;
 
 #ifdef __cplusplus
@@ -819,6 +821,25 @@ const uint32_t *complete_mesh_result_new_vertex_sources(const struct complete_me
 // below 0.5 it did worse than one. NULL if there are no new vertices. The array belongs to the
 // result.
 const double *complete_mesh_result_new_vertex_confidences(const struct complete_mesh_result *result);
+
+// For each new vertex the face that its values (vertex_values of the options) were copied from, where they
+// were copied: that of complete_mesh_result_new_vertex_source_faces, unless the place that the shape comes
+// from does not have the colours around the hole and another has. UINT32_MAX if from nowhere. NULL if there
+// are no new vertices. The array belongs to the result.
+const uint32_t *complete_mesh_result_new_vertex_colour_faces(const struct complete_mesh_result *result);
+
+// For each new vertex where on that face, as complete_mesh_result_new_vertex_barycentrics. NULL if there
+// are no new vertices. The array belongs to the result.
+const double *complete_mesh_result_new_vertex_colour_barycentrics(const struct complete_mesh_result *result);
+
+// For each new vertex the source that gave its values, as complete_mesh_result_new_vertex_sources. NULL if
+// there are no new vertices. The array belongs to the result.
+const uint32_t *complete_mesh_result_new_vertex_colour_sources(const struct complete_mesh_result *result);
+
+// For each new vertex a confidence in where its values come from, 0 to 1: of a place of their own
+// 1 / (1 + r²), r² what it leaves of the variance of the colours around the hole; else that of the shape.
+// NULL if there are no new vertices. The array belongs to the result.
+const double *complete_mesh_result_new_vertex_colour_confidences(const struct complete_mesh_result *result);
 
 // For each new point of a cloud the input point nearest to where its detail was copied from;
 // UINT32_MAX if from nowhere. NULL for a mesh, and if there are no new points. The array belongs to

@@ -64,8 +64,8 @@ class Carrier {
   std::vector<std::array<double, N>> from_source(const Result<Scalar>& result, const Get& get,
                                                  const Corners& corners) const {
     auto rows = from_rim<N>(get);
-    const auto faces = result.new_vertex_source_faces();
-    const auto weights = result.new_vertex_barycentrics();
+    const auto faces = result.new_vertex_colour_faces();
+    const auto weights = result.new_vertex_colour_barycentrics();
     for (std::size_t i = 0; i < rows.size(); ++i) {
       // The exemplar's faces are numbered from there on; none is beyond, too.
       if (faces[i] >= result.input_face_count()) continue;

@@ -123,6 +123,8 @@ pub struct CSource {
     pub weight: f64,
     /// How many new vertices have their detail from here.
     pub vertex_count: usize,
+    /// How many new vertices have their values (vertex_values of the options), but not their shape, from here.
+    pub coloured_count: usize,
 }
 
 /// One hole, ready to be asked.
@@ -228,6 +230,7 @@ fn source(report: &SourceReport) -> CSource {
         error: report.error,
         weight: report.weight,
         vertex_count: report.vertices,
+        coloured_count: report.coloured,
     }
 }
 

@@ -51,6 +51,8 @@ pub struct MeshResult {
     whole_mesh: bool,
     vertex_hole: Vec<u32>,
     origins: Origins,
+    /// Where their values come from, if for some that is another place.
+    colour_origins: Option<Origins>,
     /// Of a cloud: source points and normals of the new points.
     source_points: Vec<u32>,
     normals: Vec<[f64; 3]>,
@@ -110,6 +112,10 @@ impl MeshResult {
             input.append_faces(&mut faces);
         }
         faces.extend_from_slice(&completion.faces);
+        let colour_origins = match completion.colour_origins.is_empty() {
+            true => None,
+            false => Some(Origins::new(completion.colours_from())?),
+        };
         Ok(MeshResult {
             positions,
             faces,
@@ -120,6 +126,7 @@ impl MeshResult {
             holes,
             vertex_hole: completion.vertex_hole,
             origins: Origins::new(&completion.origins)?,
+            colour_origins,
             source_points: Vec::new(),
             normals: Vec::new(),
             cleaned: Vec::new(),
@@ -147,6 +154,11 @@ impl MeshResult {
         let CleanedPoints { positions, removed } = cleaned.unwrap_or_default();
         let removed = removed.into_iter().map(u8::from).collect();
         Ok(Self { source_points, normals, cleaned: positions, removed, ..made })
+    }
+
+    /// Where the values of the new vertices come from.
+    fn colours_from(&self) -> &Origins {
+        self.colour_origins.as_ref().unwrap_or(&self.origins)
     }
 
     /// The positions from vertex `first` of the array on; NULL if there are none.
@@ -323,6 +335,49 @@ pub unsafe extern "C" fn complete_mesh_result_new_vertex_confidences(
 ) -> *const f64 {
     // SAFETY: as above.
     unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.origins.confidences))) }
+}
+
+/// For each new vertex the face that its values (vertex_values of the options) were copied from, where they
+/// were copied: that of complete_mesh_result_new_vertex_source_faces, unless the place that the shape comes
+/// from does not have the colours around the hole and another has. UINT32_MAX if from nowhere. NULL if there
+/// are no new vertices. The array belongs to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_colour_faces(
+    result: *const MeshResult,
+) -> *const u32 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.colours_from().faces))) }
+}
+
+/// For each new vertex where on that face, as complete_mesh_result_new_vertex_barycentrics. NULL if there
+/// are no new vertices. The array belongs to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_colour_barycentrics(
+    result: *const MeshResult,
+) -> *const f64 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.colours_from().barycentrics))) }.cast()
+}
+
+/// For each new vertex the source that gave its values, as complete_mesh_result_new_vertex_sources. NULL if
+/// there are no new vertices. The array belongs to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_colour_sources(
+    result: *const MeshResult,
+) -> *const u32 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.colours_from().sources))) }
+}
+
+/// For each new vertex a confidence in where its values come from, 0 to 1: of a place of their own
+/// 1 / (1 + r²), r² what it leaves of the variance of the colours around the hole; else that of the shape.
+/// NULL if there are no new vertices. The array belongs to the result.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_result_new_vertex_colour_confidences(
+    result: *const MeshResult,
+) -> *const f64 {
+    // SAFETY: as above.
+    unsafe { ask(result, std::ptr::null(), |r| start(Some(&r.colours_from().confidences))) }
 }
 
 /// For each new point of a cloud the input point nearest to where its detail was copied from;

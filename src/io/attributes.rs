@@ -118,7 +118,8 @@ impl<'a> Patch<'a> {
         let seams = completion.holes.iter().flat_map(|h| h.seams.iter().chain(&h.ring));
         let seams = seams.map(|s| s.face);
         let ring = completion.holes.iter().flat_map(|h| h.ring.iter());
-        let mut used: Vec<u32> = completion.origins.iter().map(|o| o.face).chain(seams).collect();
+        let origins = completion.colours_from().iter().map(|o| o.face);
+        let mut used: Vec<u32> = origins.chain(seams).collect();
         used.sort_unstable();
         used.dedup();
         used.retain(|&f| (f as usize) < faces.len());
@@ -147,7 +148,8 @@ impl<'a> Patch<'a> {
         let rim: Vec<f64> = self.rim_of(rows, width).flatten().copied().collect();
         let mut values = self.carry(&rim, &blends);
         let mut copied_from = vec![false; self.completion.holes.len()];
-        for (origin, &hole) in self.completion.origins.iter().zip(&self.completion.vertex_hole) {
+        let origins = self.completion.colours_from().iter();
+        for (origin, &hole) in origins.zip(&self.completion.vertex_hole) {
             if origin.face != NONE && (hole as usize) < copied_from.len() {
                 copied_from[hole as usize] = true;
             }

@@ -41,6 +41,24 @@ static double replayed(const complete_mesh_source *source, uint32_t face, const 
   return sqrt(square);
 }
 
+/* Without values where they would come from is where the shape does. */
+static void check_colours(const complete_mesh_result *result) {
+  const size_t n = complete_mesh_result_new_vertex_count(result);
+  const uint32_t *faces = complete_mesh_result_new_vertex_colour_faces(result);
+  const uint32_t *sources = complete_mesh_result_new_vertex_colour_sources(result);
+  const double *weights = complete_mesh_result_new_vertex_colour_barycentrics(result);
+  const double *confidences = complete_mesh_result_new_vertex_colour_confidences(result);
+  CHECK(complete_mesh_result_new_vertex_colour_faces(NULL) == NULL);
+  CHECK(complete_mesh_result_new_vertex_colour_sources(NULL) == NULL);
+  CHECK(complete_mesh_result_new_vertex_colour_barycentrics(NULL) == NULL);
+  CHECK(complete_mesh_result_new_vertex_colour_confidences(NULL) == NULL);
+  if (!CHECK(faces && sources && weights && confidences)) return;
+  CHECK(memcmp(faces, complete_mesh_result_new_vertex_source_faces(result), n * sizeof *faces) == 0);
+  CHECK(memcmp(sources, complete_mesh_result_new_vertex_sources(result), n * sizeof *sources) == 0);
+  CHECK(memcmp(weights, complete_mesh_result_new_vertex_barycentrics(result), 3 * n * sizeof *weights) == 0);
+  CHECK(memcmp(confidences, complete_mesh_result_new_vertex_confidences(result), n * sizeof *confidences) == 0);
+}
+
 static void check_vertices(const complete_mesh_result *result, const complete_mesh_hole *hole) {
   const complete_mesh_holes *holes = complete_mesh_result_holes(result);
   const uint32_t *faces = complete_mesh_result_new_vertex_source_faces(result);
@@ -93,6 +111,7 @@ static void check_hole(const complete_mesh_result *result, size_t id) {
     last = source.weight;
     weights += source.weight;
     used += source.vertex_count;
+    CHECK(source.coloured_count == 0);
   }
   CHECK(hole.source_count ? fabs(weights - 1) < 1e-9 : weights == 0);
   CHECK(used <= hole.new_vertex_count);
@@ -146,6 +165,7 @@ void test_provenance(void) {
   CHECK(defaults().method == COMPLETE_MESH_METHOD_COHERENT);
   check_hole(result, 0);
   check_hole(result, 1);
+  check_colours(result);
 #ifndef SMALL_BALL
   /* one part of a sphere looks like another */
   CHECK(get_hole(complete_mesh_result_holes(result), 0).source_count > 0);

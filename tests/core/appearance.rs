@@ -257,6 +257,116 @@ fn files_get_the_same_values() {
     }
 }
 
+/// Red, green, blue and alpha, as bytes or floats, and another float: of the lathe's pattern, alpha and heat
+/// with a mark of their own where x < 0. Rows of five, colours in the unit of the file.
+fn columns(mesh: &Mesh, bytes: bool) -> (String, Vec<[f64; 5]>) {
+    let (kind, full) = if bytes { ("uchar", 255.0) } else { ("float", 1.0) };
+    let mut text = format!("ply\nformat ascii 1.0\nelement vertex {}\n", mesh.vertices.len());
+    ["x", "y", "z"].iter().for_each(|d| writeln!(text, "property double {d}").unwrap());
+    for channel in ["red", "green", "blue", "alpha"] {
+        writeln!(text, "property {kind} {channel}").unwrap();
+    }
+    let faces = mesh.faces.len();
+    write!(text, "property double heat\nelement face {faces}\n").unwrap();
+    text += "property list uchar int vertex_indices\nend_header\n";
+    let mut rows = Vec::new();
+    for &p in &mesh.vertices {
+        let row = wanted(p.into()).map(|x| full * x);
+        let row = if bytes { row.map(f64::round) } else { row };
+        let row = [row[0], row[1], row[2], row[3], 7.0 * wanted(p.into())[4]];
+        let [r, g, b, a, heat] = row;
+        writeln!(text, "{} {} {} {r} {g} {b} {a} {heat}", p[0], p[1], p[2]).unwrap();
+        rows.push(row);
+    }
+    mesh.faces.iter().for_each(|f| writeln!(text, "3 {} {} {}", f[0], f[1], f[2]).unwrap());
+    (text, rows)
+}
+
+/// What is at a place, all channels from 0 to 1.
+fn wanted(p: DVec3) -> [f64; 5] {
+    let colour = pattern(false)(p);
+    [colour[0], colour[1], colour[2], 1.0 - colour[0], colour[1]]
+}
+
+/// The rows of the new vertices of such a file, all channels from 0 to 1.
+fn appended(text: String, made: &Completion, bytes: bool) -> Vec<[f64; 5]> {
+    let mut document = Document::parse(text.into_bytes(), Format::Ply).unwrap();
+    document.append(made, &Extras::default()).unwrap();
+    let written = String::from_utf8(document.to_bytes()).unwrap();
+    let header = written.lines().position(|l| l == "end_header").unwrap() + 1;
+    let rows = written.lines().skip(header + made.input_vertex_count).take(made.vertices.len());
+    let full = if bytes { 255.0 } else { 1.0 };
+    rows.map(|row| {
+        let row: Vec<f64> = row.split(' ').map(|x| x.parse().unwrap()).collect();
+        [row[3] / full, row[4] / full, row[5] / full, row[6] / full, row[7] / 7.0]
+    })
+    .collect()
+}
+
+/// Each kind of column of a file gets what belongs to the place: not what is carried in from the rim, which is
+/// off by a tenth.
+#[test]
+fn every_kind_of_column_is_copied() {
+    let mesh = lathe(false);
+    for bytes in [true, false] {
+        let (text, _) = columns(&mesh, bytes);
+        let made = fill_inner(&mesh, Some(painted(&mesh, &pattern(false), 3)));
+        let found = appended(text, &made, bytes);
+        assert!(found.len() == made.vertices.len() && found.len() > 300);
+        for c in 0..5 {
+            let off = |(row, p): (&[f64; 5], &[f64; 3])| (row[c] - wanted((*p).into())[c]).powi(2);
+            let sum: f64 = found.iter().zip(&made.vertices).map(off).sum();
+            let off = (sum / found.len() as f64).sqrt();
+            println!("bytes {bytes}, column {c}: {off:.4}");
+            assert!(off < 0.02, "bytes {bytes}, column {c}: {off}");
+        }
+    }
+}
+
+/// And nothing from where it may not be copied from: there every column is brighter, which the fill would
+/// show.
+#[test]
+fn no_column_of_a_forbidden_place_is_copied() {
+    let mesh = lathe(false);
+    let may = |f: &[u32; 3]| f.iter().all(|&v| mesh.vertices[v as usize][0] > 0.1);
+    let faces: Arc<[bool]> = mesh.faces.iter().map(may).collect();
+    let list = find_holes(mesh.view(), &Grouping::Separate, &Monitor::silent()).unwrap();
+    let inner = list.holes.iter().min_by(|a, b| a.circumference.total_cmp(&b.circumference));
+    let options = Options {
+        grouping: Grouping::Separate,
+        selection: complete_mesh::Selection::Ids(vec![inner.unwrap().id]),
+        appearance: Some(Arc::new(painted(&mesh, &pattern(false), 3))),
+        sources: Sources { faces: Some(faces), ..Sources::default() },
+        ..Options::default()
+    };
+    let made = complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap();
+    for bytes in [true, false] {
+        let (text, rows) = columns(&mesh, bytes);
+        // Half as bright, and half of all more where copying is forbidden: what is off by a constant is believed,
+        // and only drawn to the rim there.
+        let full =
+            if bytes { [255.0, 255.0, 255.0, 255.0, 7.0] } else { [1.0, 1.0, 1.0, 1.0, 7.0] };
+        let (mut vertex, mut body) = (0, false);
+        let marked = text.lines().map(|line| {
+            let own = body && vertex < mesh.vertices.len();
+            body |= line == "end_header";
+            if !own {
+                return format!("{line}\n");
+            }
+            let ([x, y, z], row) = (mesh.vertices[vertex], rows[vertex]);
+            vertex += 1;
+            let more = if x < 0.0 { 0.5 } else { 0.0 };
+            let shade = |c: usize| 0.5 * row[c] + more * full[c];
+            let shade = |c: usize| if bytes && c < 4 { shade(c).round() } else { shade(c) };
+            let [r, g, b, a, heat] = std::array::from_fn(shade);
+            format!("{x} {y} {z} {r} {g} {b} {a} {heat}\n")
+        });
+        let found = appended(marked.collect(), &made, bytes);
+        let most = (0..5).map(|c| found.iter().map(|row| row[c]).fold(0.0, f64::max));
+        assert!(most.clone().all(|x| x < 0.5), "{:?}", most.collect::<Vec<_>>());
+    }
+}
+
 /// Nothing of a part that may not be copied from gets into the fill.
 #[test]
 fn forbidden_colours_stay_away() {

@@ -6,11 +6,11 @@ use crate::sources::moved;
 use complete_mesh::matching::rigid::Rigid;
 use complete_mesh::sample::{Break, Sample};
 use complete_mesh::{
-    complete_mesh, find_holes, Completion, Exemplar, Guidance, Initial, Method, Monitor, Options,
-    Placement, Sources,
+    complete_mesh, complete_mesh_with, find_holes, Completion, Error, Exemplar, Guidance, Initial,
+    Method, Monitor, Options, Placement, Sources,
 };
 use glam::{DMat3, DVec3};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// The bent leg of the samples.
 fn leg() -> Mesh {
@@ -150,6 +150,37 @@ fn the_twin_is_found() {
     let (found, lost) = recovered(&made, &broken, &whole, 1e-3);
     println!("{found} of {lost}");
     assert!(found * 100 > lost * 80, "{found} of {lost}");
+}
+
+/// Place after place is tried: each tells how far it is, and can be stopped.
+#[test]
+fn trying_places_reports_and_can_be_stopped() {
+    let (broken, whole) = broken_vessel(Break::Disc);
+    // More than there are: all places are tried.
+    let guidance = Guidance { candidate: 1000, ..Guidance::default() };
+    let options = taken(moved(&whole, false), guidance);
+    let run = |until: f64| {
+        let seen = Mutex::new(Vec::new());
+        let report = |fraction: f64, _: &str| {
+            seen.lock().unwrap().push(fraction);
+            fraction < until
+        };
+        let made = complete_mesh_with(broken.view(), &options, &Monitor::new(&report));
+        (made.unwrap_err(), seen.into_inner().unwrap())
+    };
+    let (error, mut seen) = run(2.0);
+    assert!(error.to_string().contains("places have a part"), "{error}");
+    assert!(seen.is_sorted());
+    // The search ends at 0.7 of what filling takes.
+    seen.retain(|&x| x > 0.7);
+    seen.dedup();
+    println!("{} steps", seen.len());
+    assert!(seen.len() > 20 && *seen.last().unwrap() > 0.9, "{seen:?}");
+    for until in [0.75, 0.85, 0.95] {
+        let (error, seen) = run(until);
+        assert_eq!(error, Error::Cancelled);
+        assert_eq!(seen.iter().filter(|&&x| x >= until).count(), 1, "nothing after the stop");
+    }
 }
 
 /// What cannot be is said.

@@ -132,6 +132,38 @@ fn each_corner_takes_the_texture_of_its_place() {
     assert!(compared > fill.len() / 2 && whole > fill.len() / 2, "{compared} {whole}");
 }
 
+/// Where only the right half may be copied from, coordinates and material are those of its chart.
+#[test]
+fn no_texture_of_a_forbidden_place_is_taken() {
+    let wall = lathe(true);
+    let mut order: Vec<usize> = (0..wall.faces.len()).collect();
+    order.sort_by_key(|&f| middle(&wall, f) > SEAM);
+    let mesh = Mesh { faces: order.iter().map(|&f| wall.faces[f]).collect(), ..wall };
+    for right in [false, true] {
+        let may = (0..mesh.faces.len()).map(|f| (middle(&mesh, f) > SEAM) == right).collect();
+        let options = complete_mesh::Options {
+            sources: complete_mesh::Sources { faces: Some(may), ..Default::default() },
+            appearance: Some(std::sync::Arc::new(painted(&mesh, &pattern(true), 3))),
+            grouping: complete_mesh::Grouping::Separate,
+            selection: complete_mesh::Selection::NearPoint([0.4, 0.3, 0.0]),
+            ..Default::default()
+        };
+        let made =
+            complete_mesh::complete_mesh(&mesh.vertices[..], &mesh.faces[..], &options).unwrap();
+        let mut document = Document::parse(write_wall(&mesh).into_bytes(), Format::Obj).unwrap();
+        document.append(&made, &Extras::default()).unwrap();
+        let text = String::from_utf8(document.to_bytes()).unwrap();
+        let fill = read_fill(&text, &made);
+        let has = |f: &&([Option<[f64; 2]>; 3], String)| f.0.iter().all(Option::is_some);
+        assert!(fill.iter().filter(has).count() > fill.len() * 9 / 10);
+        for (corners, material) in fill.iter().filter(has) {
+            assert_eq!(material, if right { "right" } else { "left" });
+            let of_chart = |x: &Option<[f64; 2]>| (x.unwrap()[0] > JUMP / 2.0) == right;
+            assert!(corners.iter().all(of_chart), "{corners:?}");
+        }
+    }
+}
+
 /// A smooth fill has no source: the rim's coordinates go on where it has one chart.
 #[test]
 fn without_a_source_the_rim_goes_on() {

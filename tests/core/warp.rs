@@ -5,8 +5,10 @@ use crate::checker::complete_checked;
 use crate::fragment::{broken_relief, options, rms};
 use crate::meshes::{sheet, Mesh};
 use crate::sources::moved;
+use complete_mesh::io::{Document, Extras, Format};
 use complete_mesh::{
-    Completer, Error, Grouping, Guidance, Method, Monitor, Options, Placement, Selection, Sources,
+    Appearance, Completer, Completion, Error, Grouping, Guidance, Method, Monitor, Options,
+    Placement, Selection, Sources,
 };
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -115,6 +117,28 @@ fn wall() -> Mesh {
     sheet((180, 80), place, kept)
 }
 
+/// How far the colours of a file with that fill are off those that the library completes.
+fn file_off(mesh: &Mesh, values: &Appearance, made: &Completion, wanted: &[f64]) -> f64 {
+    let (vertices, faces) = (mesh.vertices.len(), mesh.faces.len());
+    let mut text = format!("ply\nformat ascii 1.0\nelement vertex {vertices}\n");
+    for name in ["x", "y", "z", "red", "green", "blue"] {
+        text += &format!("property double {name}\n");
+    }
+    text += &format!("element face {faces}\nproperty list uchar int vertex_indices\nend_header\n");
+    for (p, row) in mesh.vertices.iter().zip(values.values.chunks_exact(3)) {
+        let [x, y, z] = p;
+        text += &format!("{x} {y} {z} {} {} {}\n", row[0], row[1], row[2]);
+    }
+    mesh.faces.iter().for_each(|f| text += &format!("3 {} {} {}\n", f[0], f[1], f[2]));
+    let mut document = Document::parse(text.into_bytes(), Format::Ply).unwrap();
+    document.append(made, &Extras::default()).unwrap();
+    let written = String::from_utf8(document.to_bytes()).unwrap();
+    let header = written.lines().position(|l| l == "end_header").unwrap() + 1;
+    let rows = written.lines().skip(header + vertices).take(made.vertices.len());
+    let found = rows.flat_map(|row| row.split(' ').skip(3).map(|x| x.parse::<f64>().unwrap()));
+    found.zip(wanted).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+}
+
 /// The relief is found on the left, its colours on the right, by both methods that copy places whole; and not
 /// where that is forbidden.
 #[test]
@@ -130,7 +154,7 @@ fn shape_and_colours_come_from_different_places() {
     };
     let smooth = fill(Method::Smooth, Sources::default(), None);
     let complete = |made: &_| values.complete((&mesh.faces[..]).into(), None, made);
-    let inside = |made: &complete_mesh::Completion| {
+    let inside = |made: &Completion| {
         let square = |p: &[f64; 3]| (p[2] - relief(DVec2::new(p[0], p[1]))).powi(2);
         let sum: f64 = made.vertices.iter().map(square).sum();
         (sum / made.vertices.len() as f64).sqrt()
@@ -141,6 +165,7 @@ fn shape_and_colours_come_from_different_places() {
         let own = (inside(&made), colours_off(&made, &complete(&made), &pattern).0);
         println!("{}: {own:?}, smooth {bare:?}", method.name());
         assert!(own.0 < 0.2 * bare.0 && own.1 < 0.2 * bare.1);
+        assert!(file_off(&mesh, &values, &made, &complete(&made)) < 1e-6);
         let side = |face: u32| all[face as usize] > 1.0;
         assert!(made.origins.iter().all(|o| !side(o.face)));
         let there = made.colour_origins.iter().filter(|o| side(o.face)).count();

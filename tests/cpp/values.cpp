@@ -46,6 +46,7 @@ void check_sources(const mc::Holes& holes, const complete_mesh_holes* c_holes, s
     CHECK(complete_mesh_holes_source(c_holes, id, i, &c, sizeof c) == 1);
     CHECK(sources[i].mirrored == (c.mirrored == 1) && sources[i].error == c.error);
     CHECK(sources[i].weight == c.weight && sources[i].vertex_count == c.vertex_count);
+    CHECK(sources[i].coloured_count == c.coloured_count);
     CHECK(std::memcmp(sources[i].transform.data(), c.transform, sizeof c.transform) == 0);
     const auto q = sources[i].apply({2, 3, 5});
     for (std::size_t k = 0; k < 3; ++k) {
@@ -92,6 +93,14 @@ void check_result(const mc::Result<Scalar>& r, const complete_mesh_result* c, st
   CHECK(same_bytes(r.new_vertex_barycentrics(), complete_mesh_result_new_vertex_barycentrics(c), nv, 24));
   CHECK(same_bytes(r.new_vertex_sources(), complete_mesh_result_new_vertex_sources(c), nv, 4));
   CHECK(same_bytes(r.new_vertex_confidences(), complete_mesh_result_new_vertex_confidences(c), nv, 8));
+  CHECK(same_bytes(r.new_vertex_colour_faces(), complete_mesh_result_new_vertex_colour_faces(c), nv, 4));
+  CHECK(same_bytes(r.new_vertex_colour_barycentrics(),
+                   complete_mesh_result_new_vertex_colour_barycentrics(c), nv, 24));
+  CHECK(same_bytes(r.new_vertex_colour_sources(), complete_mesh_result_new_vertex_colour_sources(c), nv, 4));
+  CHECK(same_bytes(r.new_vertex_colour_confidences(),
+                   complete_mesh_result_new_vertex_colour_confidences(c), nv, 8));
+  // without colours they are the shape's
+  CHECK(same_bytes(r.new_vertex_colour_faces(), complete_mesh_result_new_vertex_source_faces(c), nv, 4));
   check_holes(r.holes(), complete_mesh_result_holes(c));
 }
 
@@ -111,6 +120,57 @@ void check_ball() {
   }
   CHECK(wrong == 0 && i == result.vertices().size());
   complete_mesh_result_free(c);
+}
+
+// A wall with a relief on the left (x < 1), a hole in it, and around the hole the colours of the flat right side:
+// the shape comes from the left, the colours from the right, and each says so.
+void check_colours_from_elsewhere() {
+  constexpr double tau = 6.283185307179586, step = 0.03;
+  constexpr int nx = 180, ny = 80;
+  const auto at = [&](double i, double j) { return std::array<double, 2>{step * i - 2.7, step * j - 1.2}; };
+  const auto off = [](std::array<double, 2> p) { return std::hypot(p[0] + 1.9, p[1]); };
+  mc::Options options;
+  Points<double> vertices;
+  std::vector<std::array<std::uint32_t, 3>> faces;
+  std::vector<std::uint32_t> number((nx + 1) * (ny + 1), mc::none);
+  const auto id = [&](int i, int j) {
+    std::uint32_t& n = number[j * (nx + 1) + i];
+    if (n != mc::none) return n;
+    n = static_cast<std::uint32_t>(vertices.size());
+    const auto p = at(i, j);
+    const bool left = p[0] < 1;
+    const double relief = 0.025 * std::sin(tau * p[0] / 0.3) * std::cos(tau * p[1] / 0.375) +
+                          0.015 * std::sin(tau * (p[0] + p[1]) / 0.6);
+    vertices.push_back({p[0], p[1], left ? relief : 0});
+    const double v = p[0] > 1 || off(p) < 0.45 ? std::sin(11 * p[0]) * std::sin(9 * p[1])
+                                               : std::sin(17 * (p[0] + 0.3 * p[1]));
+    for (const double x : {0.5 + 0.4 * v, 0.5 - 0.2 * v, 0.3}) options.vertex_values.push_back(x);
+    return n;
+  };
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      if (off(at(i + 0.5, j + 0.5)) <= 0.25) continue;
+      const std::uint32_t a = id(i, j), b = id(i + 1, j), c = id(i + 1, j + 1), d = id(i, j + 1);
+      faces.push_back({a, b, c});
+      faces.push_back({a, c, d});
+    }
+  options.value_channels = options.steering_channels = 3;
+  options.selection = mc::Selection::near_point;
+  options.selection_point = {-1.9, 0.25, 0};
+  const auto result = mc::complete(mc::view(vertices, faces), options);
+  const std::size_t count = result.new_vertices().size();
+  std::size_t shape = 0, colour = 0, same = 0, coloured = 0;
+  const auto right = [&](std::uint32_t f) { return f != mc::none && vertices[faces[f][0]][0] > 1; };
+  for (std::size_t i = 0; i < count; ++i) {
+    shape += right(result.new_vertex_source_faces()[i]);
+    colour += right(result.new_vertex_colour_faces()[i]);
+    same += result.new_vertex_colour_sources()[i] == result.new_vertex_sources()[i];
+    const auto w = result.new_vertex_colour_barycentrics()[i];
+    CHECK(std::abs(w[0] + w[1] + w[2] - 1) < 1e-9 && result.new_vertex_colour_confidences()[i] > 0.5);
+  }
+  for (const mc::Hole& hole : result.holes())
+    for (const mc::Source& source : result.holes().sources(hole.id)) coloured += source.coloured_count;
+  CHECK(count > 100 && shape == 0 && colour * 10 > 9 * count && same == count - coloured && coloured >= colour);
 }
 
 // Positions between other fields, and faces with a material.
@@ -240,5 +300,6 @@ void test_values() {
   check_ball<float>();
   check_ball<double>();
   check_strides();
+  check_colours_from_elsewhere();
   check_lifetime();
 }

@@ -53,6 +53,54 @@ def test_sources_can_be_replayed(broken, result):
     assert np.median(np.linalg.norm(places - result.new_vertices[has], axis=1)) > 0.2 * diameter
 
 
+def wall():
+    """A relief on the left (x < 1) with a hole; around the hole the colours of the flat right side."""
+    i, j = np.meshgrid(np.arange(181), np.arange(81))
+    x, y = 0.03 * i.ravel() - 2.7, 0.03 * j.ravel() - 1.2
+    relief = 0.025 * np.sin(np.pi * x / 0.15) * np.cos(np.pi * y / 0.1875)
+    relief += 0.015 * np.sin(np.pi * (x + y) / 0.3)
+    vertices = np.column_stack([x, y, np.where(x < 1, relief, 0)])
+    i, j = np.meshgrid(np.arange(180), np.arange(80))
+    cells = np.hypot(0.03 * (i + 0.5) - 0.8, 0.03 * (j + 0.5) - 1.2).ravel() > 0.25
+    a = (181 * j + i).ravel()[cells]
+    faces = np.stack([a, a + 1, a + 182, a, a + 182, a + 181], axis=1).reshape(-1, 3)
+    used = np.unique(faces)
+    vertices, faces = vertices[used], np.searchsorted(used, faces)
+    x, y = vertices[:, 0], vertices[:, 1]
+    same = (x > 1) | (np.hypot(x + 1.9, y) < 0.45)
+    v = np.where(same, np.sin(11 * x) * np.sin(9 * y), np.sin(17 * (x + 0.3 * y)))
+    return vertices, faces, np.column_stack([0.5 + 0.4 * v, 0.5 - 0.2 * v, np.full(len(v), 0.3)])
+
+
+def test_colours_from_elsewhere_say_so():
+    vertices, faces, colours = wall()
+    at_hole = {"selection": "near_point", "selection_point": [-1.9, 0.25, 0]}
+    result = complete_mesh(
+        vertices, faces, vertex_values=colours, steering_channels=3, **at_hole
+    )
+    right = vertices[faces[:, 0], 0] > 1
+    came, shape = result.new_vertex_colour_faces, result.new_vertex_source_faces
+    assert len(came) > 100 and not right[shape[shape >= 0]].any()
+    assert right[came[came >= 0]].mean() > 0.9
+    weights = result.new_vertex_colour_barycentrics
+    assert np.allclose(weights.sum(axis=1), 1) and (result.new_vertex_colour_confidences > 0.5).all()
+    # The values are those of that place, but for what closes the seam at the rim.
+    there = (weights[:, :, None] * colours[faces[came]]).sum(axis=1)
+    assert np.abs(there - result.new_vertex_values).mean() < 0.05 * np.ptp(colours[:, 0])
+    last = [hole.sources[-1] for hole in result.holes if hole.sources]
+    assert [source.vertex_count for source in last] == [0]
+    own = result.new_vertex_colour_sources != result.new_vertex_sources
+    assert [source.coloured_count for source in last] == [own.sum()]
+
+
+def test_colours_come_with_the_shape(result):
+    assert same(result.new_vertex_colour_faces, result.new_vertex_source_faces)
+    assert same(result.new_vertex_colour_barycentrics, result.new_vertex_barycentrics)
+    assert same(result.new_vertex_colour_sources, result.new_vertex_sources)
+    assert same(result.new_vertex_colour_confidences, result.new_vertex_confidences)
+    assert all(source.coloured_count == 0 for hole in result.holes for source in hole.sources)
+
+
 def test_transforms_are_rigid_or_stretch_a_little(result):
     rigid = []
     for hole in result.holes:

@@ -62,6 +62,8 @@ struct Source {
   double error;
   double weight;
   std::size_t vertex_count;
+  // New vertices that have their values, but not their shape, from here.
+  std::size_t coloured_count;
 
   // A point of the object, taken to the hole.
   std::array<double, 3> apply(const std::array<double, 3>& p) const {
@@ -101,7 +103,8 @@ class Holes {
     std::vector<Source> all;
     complete_mesh_source c = {};
     while (complete_mesh_holes_source(get(), hole, all.size(), &c, sizeof c) == 1) {
-      Source source = {c.mirrored != 0, {}, c.error, c.weight, c.vertex_count};
+      Source source = {c.mirrored != 0, {}, c.error, c.weight, c.vertex_count,
+                       c.coloured_count};
       for (std::size_t k = 0; k < 12; ++k) source.transform[k] = c.transform[k];
       all.push_back(source);
     }
@@ -203,6 +206,19 @@ class Result {
   }
   View<double> new_vertex_confidences() const {
     return {complete_mesh_result_new_vertex_confidences(get()), new_count()};
+  }
+  // The same of the values that the vertices carry, which may come from another place than the shape does.
+  View<std::uint32_t> new_vertex_colour_faces() const {
+    return {complete_mesh_result_new_vertex_colour_faces(get()), new_count()};
+  }
+  Rows<double, 3> new_vertex_colour_barycentrics() const {
+    return {complete_mesh_result_new_vertex_colour_barycentrics(get()), new_count()};
+  }
+  View<std::uint32_t> new_vertex_colour_sources() const {
+    return {complete_mesh_result_new_vertex_colour_sources(get()), new_count()};
+  }
+  View<double> new_vertex_colour_confidences() const {
+    return {complete_mesh_result_new_vertex_colour_confidences(get()), new_count()};
   }
   // Of a cloud; empty for a mesh. mesh_completion::none where there is no source.
   View<std::uint32_t> new_point_source_points() const {

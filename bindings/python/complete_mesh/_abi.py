@@ -133,6 +133,7 @@ class Source(c.Structure):
         ("error", c_double),
         ("weight", c_double),
         ("vertex_count", c_size_t),
+        ("coloured_count", c_size_t),
     ]
 
 
@@ -183,6 +184,10 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "result_new_vertex_barycentrics": (c_void_p, [c_void_p]),
     "result_new_vertex_sources": (c_void_p, [c_void_p]),
     "result_new_vertex_confidences": (c_void_p, [c_void_p]),
+    "result_new_vertex_colour_faces": (c_void_p, [c_void_p]),
+    "result_new_vertex_colour_barycentrics": (c_void_p, [c_void_p]),
+    "result_new_vertex_colour_sources": (c_void_p, [c_void_p]),
+    "result_new_vertex_colour_confidences": (c_void_p, [c_void_p]),
     "result_new_vertex_source_points": (c_void_p, [c_void_p]),
     "result_new_vertex_normals": (c_void_p, [c_void_p]),
     "result_cleaned_points": (c_void_p, [c_void_p]),

@@ -33,6 +33,8 @@ class Source:
     """Share in the low frequencies of the fill, 0 to 1; a hole's sources sum to 1."""
     vertex_count: int
     """How many new vertices have their detail from here."""
+    coloured_count: int
+    """How many new vertices have their values, but not their shape, from here."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,6 +188,15 @@ class Result:
     """(k,): the source, an index into ``holes[hole].sources`` of the vertex's own hole."""
     new_vertex_confidences: NDArray[np.float64]
     """(k,): 0 (nothing on the object backs it) to 1. From 0.8 convincing, below 0.5 invention."""
+    new_vertex_colour_faces: Ids
+    """(k,): the face that the vertex's values were copied from, where they were copied: its source face,
+    unless the place that the shape comes from does not have the colours around the hole and another has."""
+    new_vertex_colour_barycentrics: NDArray[np.float64]
+    """(k, 3): where on that face."""
+    new_vertex_colour_sources: Ids
+    """(k,): the source that gave the values, an index into ``holes[hole].sources``."""
+    new_vertex_colour_confidences: NDArray[np.float64]
+    """(k,): 0 to 1, how far that place has the colours around the hole; else the shape's confidence."""
     new_vertex_values: NDArray[np.float64]
     """(k, c): what `vertex_values` are at the new vertices, copied from where the shape was copied from
     as far as the surroundings bear it out, else carried in from the rim; (k, 0) without them."""
@@ -226,6 +237,11 @@ class Result:
         self.new_vertex_barycentrics = array("new_vertex_barycentrics", k * 3, float).reshape(-1, 3)
         self.new_vertex_sources = ids("new_vertex_sources", k)
         self.new_vertex_confidences = array("new_vertex_confidences", k, float)
+        self.new_vertex_colour_faces = ids("new_vertex_colour_faces", k)
+        weights = array("new_vertex_colour_barycentrics", k * 3, float)
+        self.new_vertex_colour_barycentrics = weights.reshape(-1, 3)
+        self.new_vertex_colour_sources = ids("new_vertex_colour_sources", k)
+        self.new_vertex_colour_confidences = array("new_vertex_colour_confidences", k, float)
         values = array("new_vertex_values", k * value_channels, float)
         self.new_vertex_values = values.reshape(k, value_channels)
         self.new_face_holes = ids("new_face_holes", j)
@@ -308,6 +324,7 @@ def _source(lib: Library, handle: c.c_void_p | int, hole: int, i: int) -> Source
         error=info.error,
         weight=info.weight,
         vertex_count=info.vertex_count,
+        coloured_count=info.coloured_count,
     )
 
 

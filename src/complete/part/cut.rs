@@ -1,7 +1,12 @@
 //! The part cut out of the source, and bent to the rim.
 
+use super::Wanted;
+use crate::error::Result;
+use crate::fill::sheet::Incidence;
 use crate::matching::rigid::Rigid;
+use crate::matching::similarity::scale_of;
 use crate::matching::source::Source;
+use crate::progress::Pace;
 use crate::synthesis::warp::harmonic;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -13,6 +18,10 @@ const FAR: f64 = 1.5;
 const ROOM: f64 = 0.5;
 /// The part begins within this distance of the rim, in edges.
 const NEAR: f64 = 3.0;
+/// More than a transform stretches anything beyond its scale: strains of 15 % are taken.
+const MOST_STRAIN: f64 = 1.25;
+/// Elementary steps that a search for the nearest place takes, about.
+const LOOK: usize = 1 << 8;
 /// Rounds in which the part's border is made even, at most.
 const ROUNDS: usize = 50;
 /// Barycentric coordinates below this are 0: the point is on an edge.
@@ -55,32 +64,111 @@ impl Rim {
     }
 }
 
-/// What lies over the rim, as the source has it. The error says why that is no part.
-pub fn cut_out(
-    known: &Source,
-    source: &Source,
-    transform: &Rigid,
-    loops: &[Vec<u32>],
-) -> std::result::Result<Cut, String> {
-    let rim = Rim::new(loops);
-    let n = source.positions.len();
-    let (mut free, mut begins) = (vec![false; n], vec![false; n]);
-    for &v in source.points.ids() {
-        let p = transform.point(source.positions[v as usize]);
-        let Some(hit) = known.tree.closest_point(p, f64::INFINITY) else { continue };
-        let on_rim =
-            rim.holds(known.faces[hit.face as usize], known.barycentric(hit.face, hit.point));
-        let off = hit.distance / known.edge;
-        free[v as usize] = off > if on_rim { ROOM } else { FAR };
-        begins[v as usize] = on_rim && off > ROOM && off < NEAR;
+/// What of a source belongs to a part, found out vertex by vertex.
+struct Search<'a> {
+    known: &'a Source,
+    source: &'a Source,
+    transform: &'a Rigid,
+    rim: Rim,
+    seen: HashMap<u32, Standing>,
+}
+
+/// How a vertex of the source lies to what is known.
+#[derive(Clone, Copy)]
+struct Standing {
+    /// It belongs to a part.
+    free: bool,
+    /// A part begins there.
+    begins: bool,
+}
+
+impl Search<'_> {
+    fn standing(&mut self, v: u32) -> Standing {
+        if let Some(&standing) = self.seen.get(&v) {
+            return standing;
+        }
+        let (known, edge) = (self.known, self.known.edge);
+        let p = self.transform.point(self.source.positions[v as usize]);
+        let standing = match known.tree.closest_point(p, NEAR * edge) {
+            None => Standing { free: true, begins: false },
+            Some(hit) => {
+                let at = known.barycentric(hit.face, hit.point);
+                let on_rim = self.rim.holds(known.faces[hit.face as usize], at);
+                let off = hit.distance / edge;
+                let free = off > if on_rim { ROOM } else { FAR };
+                Standing { free, begins: on_rim && off > ROOM && off < NEAR }
+            }
+        };
+        self.seen.insert(v, standing);
+        standing
     }
-    let all: Vec<u32> = (0..source.faces.len() as u32)
-        .filter(|&f| source.faces[f as usize].iter().all(|&v| free[v as usize]))
-        .collect();
-    let mut kept = hanging_together(source, &all, &begins);
+
+    fn is_free(&mut self, face: u32) -> bool {
+        self.source.faces[face as usize].iter().all(|&v| self.standing(v).free)
+    }
+
+    /// Where parts begin, ascending: not farther from the rim than that.
+    fn beginnings(&mut self, pace: &mut Pace<'_>) -> Result<BTreeSet<u32>> {
+        let back = self.transform.inverse();
+        let mut found = BTreeSet::new();
+        for &[a, b] in &self.rim.edges {
+            let [a, b] = [a, b].map(|v| self.known.positions[v as usize]);
+            let reach = NEAR * self.known.edge + 0.5 * a.distance(b);
+            let reach = MOST_STRAIN * scale_of(&back) * reach;
+            let near = self.source.points.within(back.point(0.5 * (a + b)), reach);
+            pace.work(LOOK + near.len())?;
+            found.extend(near);
+        }
+        let mut begins = BTreeSet::new();
+        for v in found {
+            pace.work(LOOK)?;
+            if self.standing(v).begins {
+                begins.insert(v);
+            }
+        }
+        Ok(begins)
+    }
+
+    /// The faces that belong to a part and hang together over edges with where one begins, ascending.
+    fn grow(&mut self, incidence: &Incidence, pace: &mut Pace<'_>) -> Result<Vec<u32>> {
+        let begins = self.beginnings(pace)?;
+        let at_begin = begins.iter().flat_map(|&v| incidence.faces(v)).copied();
+        let mut queue: Vec<u32> = at_begin.filter(|&f| self.is_free(f)).collect();
+        let mut kept: BTreeSet<u32> = queue.iter().copied().collect();
+        while let Some(f) = queue.pop() {
+            for [a, b] in edges(self.source.faces[f as usize]) {
+                for &g in incidence.faces(a) {
+                    pace.work(1)?;
+                    if !self.source.faces[g as usize].contains(&b) || kept.contains(&g) {
+                        continue;
+                    }
+                    pace.work(LOOK)?;
+                    if self.is_free(g) {
+                        kept.insert(g);
+                        queue.push(g);
+                    }
+                }
+            }
+        }
+        Ok(kept.into_iter().collect())
+    }
+}
+
+/// What lies over the rim, as the source has it, whose faces by vertex are `incidence`. The inner error says
+/// why that is no part.
+pub fn cut_out(
+    wanted: &Wanted<'_>,
+    transform: &Rigid,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<std::result::Result<Cut, String>> {
+    let (known, source) = (&wanted.library.known, wanted.library.source());
+    let mut pace = Pace::new(check);
+    let mut search =
+        Search { known, source, transform, rim: Rim::new(wanted.rim), seen: HashMap::new() };
+    let mut kept = search.grow(wanted.incidence, &mut pace)?;
     even_border(source, &mut kept);
     if kept.is_empty() {
-        return Err("nothing of the source lies over it that is not there already".into());
+        return Ok(Err("nothing of the source lies over it that is not there already".into()));
     }
     let mirrored = transform.is_mirrored();
     let mut number: HashMap<u32, u32> = HashMap::new();
@@ -96,35 +184,36 @@ pub fn cut_out(
     }
     let positions = of.iter().map(|&v| transform.point(source.positions[v as usize])).collect();
     let cut = Cut { of, positions, loops: borders(&faces), faces, face_of: kept };
-    match cut.loops.len() == loops.len() {
+    let count = wanted.rim.len();
+    Ok(match cut.loops.len() == count {
         true => Ok(cut),
         false => Err(format!(
-            "the part that lies over it has {} borders, its rim {} loops",
-            cut.loops.len(),
-            loops.len()
+            "the part that lies over it has {} borders, its rim {count} loops",
+            cut.loops.len()
         )),
-    }
+    })
 }
 
-/// Of some faces those that hang together over edges with one that has a vertex where the part begins.
-fn hanging_together(source: &Source, all: &[u32], begins: &[bool]) -> Vec<u32> {
+/// The largest of the pieces that some faces fall into, which hang together over edges.
+fn largest_piece(source: &Source, all: &[u32]) -> Vec<u32> {
     let mut at: HashMap<[u32; 2], Vec<u32>> = HashMap::new();
     for &f in all {
         edges(source.faces[f as usize]).for_each(|e| at.entry(sorted(e)).or_default().push(f));
     }
-    let starts = |f: &&u32| source.faces[**f as usize].iter().any(|&v| begins[v as usize]);
-    let mut queue: Vec<u32> = all.iter().filter(starts).copied().collect();
-    let mut kept: BTreeSet<u32> = queue.iter().copied().collect();
-    while let Some(f) = queue.pop() {
-        for e in edges(source.faces[f as usize]) {
-            for &g in &at[&sorted(e)] {
-                if kept.insert(g) {
-                    queue.push(g);
-                }
-            }
+    let mut rest: BTreeSet<u32> = all.iter().copied().collect();
+    let mut pieces: Vec<Vec<u32>> = Vec::new();
+    while let Some(first) = rest.pop_first() {
+        let (mut piece, mut next) = (vec![first], 0);
+        while let Some(&f) = piece.get(next) {
+            let beside = edges(source.faces[f as usize]).flat_map(|e| &at[&sorted(e)]);
+            piece.extend(beside.filter(|g| rest.remove(g)));
+            next += 1;
         }
+        piece.sort_unstable();
+        pieces.push(piece);
     }
-    kept.into_iter().collect()
+    // The last of equal ones is the same every time.
+    pieces.into_iter().max_by_key(Vec::len).unwrap_or_default()
 }
 
 /// Takes away faces that touch the rest at vertices alone, or stick out with two edges, until the border is a
@@ -147,18 +236,7 @@ fn even_border(source: &Source, kept: &mut Vec<u32>) {
             break;
         }
     }
-    let mut pieces: Vec<Vec<u32>> = Vec::new();
-    let mut rest: BTreeSet<u32> = kept.iter().copied().collect();
-    while let Some(&f) = rest.first() {
-        let mut begins = vec![false; source.positions.len()];
-        source.faces[f as usize].iter().for_each(|&v| begins[v as usize] = true);
-        let left: Vec<u32> = rest.iter().copied().collect();
-        let piece = hanging_together(source, &left, &begins);
-        piece.iter().for_each(|g| _ = rest.remove(g));
-        pieces.push(piece);
-    }
-    // The last of equal ones is the same every time.
-    *kept = pieces.into_iter().max_by_key(Vec::len).unwrap_or_default();
+    *kept = largest_piece(source, kept);
 }
 
 fn edges(f: [u32; 3]) -> impl Iterator<Item = [u32; 2]> {
@@ -189,15 +267,10 @@ fn borders(faces: &[[u32; 3]]) -> Vec<Vec<u32>> {
 
 /// Warps a part so that it goes on where the mesh ends: each border vertex moves by what the source is off at
 /// the nearest rim vertex, the rest follows (Eq. 15).
-pub fn bend(
-    cut: &mut Cut,
-    known: &Source,
-    source: &Source,
-    transform: &Rigid,
-    loops: &[Vec<u32>],
-) -> Option<()> {
+pub fn bend(cut: &mut Cut, wanted: &Wanted<'_>, transform: &Rigid) -> Option<()> {
+    let (known, source) = (&wanted.library.known, wanted.library.source());
     let back = transform.inverse();
-    let rim: Vec<(DVec3, DVec3)> = (loops.iter().flatten())
+    let rim: Vec<(DVec3, DVec3)> = (wanted.rim.iter().flatten())
         .filter_map(|&v| {
             let p = known.positions[v as usize];
             let hit = source.tree.closest_point(back.point(p), f64::INFINITY)?;

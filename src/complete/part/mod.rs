@@ -19,7 +19,7 @@ use super::{guided, Completer};
 use crate::error::Result;
 use crate::fill::outline::Outline;
 use crate::fill::patch::Patch;
-use crate::fill::sheet::Band;
+use crate::fill::sheet::{Band, Incidence};
 use crate::holes::Hole;
 use crate::matching::icp::RingPoint;
 use crate::matching::rigid::Rigid;
@@ -29,7 +29,7 @@ use crate::mesh::MeshView;
 use crate::options::{Fairing, Method, Options};
 use crate::result::{Origin, SourceReport};
 use cut::{bend, cut_out, Cut};
-use gap::close_gap;
+use gap::{close_gap, Shore};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::slice::from_ref;
@@ -46,6 +46,10 @@ pub struct Wanted<'a> {
     pub local: &'a [Vec<u32>],
     /// Known points around it.
     pub ring: &'a [RingPoint],
+    /// What is known around it.
+    pub shore: &'a Shore,
+    /// The source's faces by vertex.
+    pub incidence: &'a Incidence,
 }
 
 /// Rings of known surface around the rim that a part is aligned with, at least and at most; between them half
@@ -99,11 +103,21 @@ impl Completer<'_> {
         let guidance = &options.guidance;
         let late = |part: f64| check(0.3 + 0.4 * part);
         let found = guided::transforms(&library, guidance, from_ref(&target), threads, &late)?;
-        let wanted =
-            Wanted { mesh: self.mesh, library: &library, rim: &rim, local: loops, ring: &ring };
+        let source = library.source();
+        let wanted = Wanted {
+            mesh: self.mesh,
+            library: &library,
+            rim: &rim,
+            local: loops,
+            ring: &ring,
+            shore: &Shore::new(around, &self.reach(hole)),
+            incidence: &Incidence::of(source.positions.len(), &source.faces),
+        };
         let (mut first, mut good) = (None, 0);
-        for transform in found.iter().flatten() {
-            let made = take_part(around, obstacles, &wanted, transform, &|| check(0.8))?;
+        let places: Vec<&Rigid> = found.iter().flatten().collect();
+        for (i, transform) in places.iter().enumerate() {
+            let late = |part: f64| check(0.7 + 0.3 * (i as f64 + part) / places.len() as f64);
+            let made = take_part(around, obstacles, &wanted, transform, &late)?;
             match made {
                 Ok(fill) => {
                     good += 1;
@@ -130,22 +144,19 @@ pub fn take_part(
     obstacles: &Obstacles<'_>,
     wanted: &Wanted<'_>,
     transform: &Rigid,
-    check: &dyn Fn() -> Result<()>,
+    check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Fill, String>> {
-    check()?;
-    let source = wanted.library.source();
-    let known = &wanted.library.known;
-    let mut cut = match cut_out(known, source, transform, wanted.rim) {
+    let mut cut = match cut_out(wanted, transform, &|| check(0.0))? {
         Ok(cut) => cut,
         Err(why) => return Ok(Err(why)),
     };
-    check()?;
-    if bend(&mut cut, known, source, transform, wanted.rim).is_none() {
+    check(0.3)?;
+    if bend(&mut cut, wanted, transform).is_none() {
         return Ok(Err("its part cannot be bent to the rim".into()));
     }
     cut.positions.iter_mut().for_each(|p| *p = around.rounding.apply(*p));
-    check()?;
-    let (gap_vertices, gap_faces) = match close_gap(wanted, &cut)? {
+    let late = |part: f64| check(0.5 + 0.3 * part);
+    let (gap_vertices, gap_faces) = match close_gap(around, wanted, &cut, &late)? {
         Ok(found) => found,
         Err(why) => return Ok(Err(why)),
     };
@@ -172,7 +183,7 @@ pub fn take_part(
         outline.positions.iter().chain(&cut.positions).chain(&gap_vertices).copied().collect();
     let sizes = vec![outline.mean_size(); positions.len()];
     let patch = Patch::of_triangles(positions, sizes, outline.vertices.len(), triangles);
-    let settled = obstacles.settle(around, patch, check)?;
+    let settled = obstacles.settle(around, patch, &|| check(0.9))?;
     let story = tell(wanted, &cut, &gap_vertices, transform);
     Ok(settled.map(|patch| Fill {
         outline,

@@ -1,0 +1,89 @@
+//! Meshes for the pictures of the manual, each to show one ability:
+//! `cargo run --release --example pictured -- DIR` writes
+//!
+//! - `fold.ply`: two planes at right angles and a hole that ends at the fold;
+//!   `fold-loose.txt` has the rim vertices there;
+//! - `wall.ply`: a wall with a relief on the left, flat and painted on the right; around a hole in the relief it
+//!   has the right side's paint.
+
+use complete_mesh::io::{Document, Format};
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::path::Path;
+
+/// A vertex and its colour.
+type Painted = ([f64; 3], [u8; 3]);
+
+/// A grid of cells, two triangles each; those that `keep` refuses, given the middle, are missing. Returns the
+/// file and, for each corner of the grid, its vertex.
+fn grid(
+    (nx, ny): (usize, usize),
+    at: impl Fn(f64, f64) -> Painted,
+    keep: impl Fn(f64, f64) -> bool,
+) -> (String, Vec<Option<usize>>) {
+    let mut number = vec![None; (nx + 1) * (ny + 1)];
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for j in 0..ny {
+        for i in (0..nx).filter(|&i| keep(i as f64 + 0.5, j as f64 + 0.5)) {
+            let corner = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| {
+                *number[j * (nx + 1) + i].get_or_insert_with(|| {
+                    vertices.push(at(i as f64, j as f64));
+                    vertices.len() - 1
+                })
+            });
+            let [a, b, c, d] = corner;
+            faces.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    let mut text = format!("ply\nformat ascii 1.0\nelement vertex {}\n", vertices.len());
+    ["x", "y", "z"].iter().for_each(|d| text += &format!("property float {d}\n"));
+    ["red", "green", "blue"].iter().for_each(|c| text += &format!("property uchar {c}\n"));
+    let _ = writeln!(text, "element face {}", faces.len());
+    text += "property list uchar int vertex_indices\nend_header\n";
+    for ([x, y, z], [r, g, b]) in &vertices {
+        let _ = writeln!(text, "{x:.6} {y:.6} {z:.6} {r} {g} {b}");
+    }
+    faces.iter().for_each(|f| _ = writeln!(text, "3 {} {} {}", f[0], f[1], f[2]));
+    (text, number)
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let dir = std::env::args().nth(1).ok_or("name a directory")?;
+    let dir = Path::new(&dir);
+    let clay = [205, 190, 170];
+    let fold = |i: f64, j: f64| match i <= 40.0 {
+        true => ([i, j, 0.0], clay),
+        false => ([40.0, j, i - 40.0], clay),
+    };
+    let hole = |i: f64, j: f64| (18.0..40.0).contains(&i) && (20.0..44.0).contains(&j);
+    let (text, number) = grid((80, 64), fold, |i, j| !hole(i, j));
+    save(text, &dir.join("fold.ply"))?;
+    let loose: Vec<String> =
+        (20..=44).filter_map(|j| Some(number[j * 81 + 40]?.to_string())).collect();
+    std::fs::write(dir.join("fold-loose.txt"), loose.join(","))?;
+
+    let place = |i: f64, j: f64| (0.015 * i - 2.7, 0.015 * j - 1.2);
+    let off = |x: f64, y: f64| (x + 1.9).hypot(y);
+    let wall = |i: f64, j: f64| {
+        let (x, y) = place(i, j);
+        let relief = 0.025 * (TAU * x / 0.3).sin() * (TAU * y / 0.375).cos()
+            + 0.015 * (TAU * (x + y) / 0.6).sin();
+        let same = x > 1.0 || off(x, y) < 0.45;
+        let v = match same {
+            true => (11.0 * x).sin() * (9.0 * y).sin(),
+            false => (17.0 * (x + 0.3 * y)).sin(),
+        };
+        let colour = [0.55 + 0.4 * v, 0.5 - 0.2 * v, 0.35].map(|c| (255.0 * c) as u8);
+        ([x, y, if x < 1.0 { relief } else { 0.0 }], colour)
+    };
+    let keep = |i: f64, j: f64| {
+        let (x, y) = place(i, j);
+        off(x, y) > 0.25
+    };
+    save(grid((360, 160), wall, keep).0, &dir.join("wall.ply"))
+}
+
+fn save(text: String, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    let document = Document::parse(text.into_bytes(), Format::Ply)?;
+    Ok(std::fs::write(path, document.to_bytes())?)
+}
