@@ -28,6 +28,9 @@ pub const TURNS: usize = 36;
 const COVER: f64 = 0.9;
 /// What the coarser layer counts (τ, Sec. 5.3).
 const COARSE: f64 = 0.5;
+/// What a copy may leave of the known detail, of its square: half its height. The best of thousands of unrelated
+/// fragments leave 0.4 to 1.5 on a hide of knobs, flutes of a column 0.05 to 0.3.
+const LEFT: f64 = 0.25;
 
 /// Heights by place, and how far each is to be believed: 0 (nothing there) to 1.
 #[derive(Clone)]
@@ -120,6 +123,35 @@ impl Fragment {
     /// δ of the fine layer alone, neither turned nor mirrored.
     pub fn fine_distance(&self, source: &Self) -> Option<f64> {
         difference(&self.fine, &source.fine, &Turned::new(0, false), 1)
+    }
+
+    /// Mean square of what the known fine surface has beyond the coarse one, in square radii.
+    pub fn detail(&self) -> f64 {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for i in 0..PLACES {
+            let known = self.fine.confidence[i] * self.coarse.confidence[i];
+            sum += f64::from(known * (self.fine.height[i] - self.coarse.height[i]).powi(2));
+            weight += f64::from(known);
+        }
+        sum / f64::max(weight, f64::MIN_POSITIVE)
+    }
+
+    /// Whether a source, aligned, tells more of this than the coarser surface does, which is a source, too: one
+    /// whose coarse layer fits and whose fine one has no detail.
+    pub fn is_continued_by(&self, source: &Self) -> bool {
+        let plain = self.detail();
+        let own = Turned::new(0, false);
+        let Some(left) = difference(&self.fine, &source.fine, &own, 1) else { return false };
+        let Some(coarse) = difference(&self.coarse, &source.coarse, &own, 1) else { return false };
+        let (mut moved, mut weight) = (0.0, 0.0);
+        for i in 0..PLACES {
+            let unknown = (1.0 - self.fine.confidence[i]) * self.coarse.confidence[i];
+            let unknown = unknown * source.fine.confidence[i];
+            moved += f64::from(unknown * (source.fine.height[i] - self.coarse.height[i]).powi(2));
+            weight += f64::from(unknown);
+        }
+        let moved = moved / f64::max(weight, f64::MIN_POSITIVE);
+        left < LEFT * plain && left + COARSE * coarse < plain && left * moved < plain * plain
     }
 
     /// The transform that lays a source turned so over this (source to target).
