@@ -136,13 +136,13 @@ impl Fragment {
         sum / f64::max(weight, f64::MIN_POSITIVE)
     }
 
-    /// Whether a source, aligned, tells more of this than the coarser surface does, which is a source, too: one
-    /// whose coarse layer fits and whose fine one has no detail.
+    /// Whether a source, aligned, tells more of this than the coarser surface does: it leaves little of the known
+    /// detail, and as large a part of its way from the coarser surface where nothing is known is no more than
+    /// the detail that the coarser surface lacks.
     pub fn is_continued_by(&self, source: &Self) -> bool {
         let plain = self.detail();
         let own = Turned::new(0, false);
         let Some(left) = difference(&self.fine, &source.fine, &own, 1) else { return false };
-        let Some(coarse) = difference(&self.coarse, &source.coarse, &own, 1) else { return false };
         let (mut moved, mut weight) = (0.0, 0.0);
         for i in 0..PLACES {
             let unknown = (1.0 - self.fine.confidence[i]) * self.coarse.confidence[i];
@@ -151,7 +151,7 @@ impl Fragment {
             weight += f64::from(unknown);
         }
         let moved = moved / f64::max(weight, f64::MIN_POSITIVE);
-        left < LEFT * plain && left + COARSE * coarse < plain && left * moved < plain * plain
+        left < LEFT * plain && left * moved < plain * plain
     }
 
     /// The transform that lays a source turned so over this (source to target).
@@ -363,6 +363,29 @@ mod tests {
         let same = Turned::new(0, false);
         assert!(target.distance(&source, &same).unwrap() < 1e-12);
         assert!(source.distance(&fragment(0.0, false, |p| p.x > -0.3), &same).is_none());
+    }
+
+    /// The same hills continue a half-known fragment; others do not, nor do hills that fit but lead far away where
+    /// nothing is known.
+    #[test]
+    fn a_fragment_is_continued_by_what_tells_more_than_the_coarser_surface() {
+        let target = fragment(0.0, false, |p| p.x > 0.0);
+        let source = fragment(0.0, false, |_| false);
+        assert!(target.is_continued_by(&source));
+        assert!(!target.is_continued_by(&fragment(1.5, false, |_| false)));
+        let changed = |off: &dyn Fn(DVec2) -> f32| {
+            let mut other = source.clone();
+            (0..PLACES).for_each(|i| other.fine.height[i] += off(place(i)));
+            other
+        };
+        let detail = target.detail().sqrt() as f32;
+        assert!(target.is_continued_by(&changed(&|_| 0.3 * detail)));
+        assert!(!target.is_continued_by(&changed(&|_| 0.6 * detail)));
+        let away = |p: DVec2| if p.x > 0.0 { 6.0 * detail } else { 0.3 * detail };
+        assert!(!target.is_continued_by(&changed(&away)));
+        // Nothing is known of the detail: nothing can tell more.
+        let plain = Fragment { fine: target.coarse.clone(), ..target.clone() };
+        assert!(!plain.is_continued_by(&source));
     }
 
     #[test]
