@@ -556,8 +556,9 @@ mod tests {
         };
         let map = |cloud: &Cloud| map_at(cloud, DVec3::ZERO, DVec3::Z, 1.0);
         let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, &[1.0], 0.0);
-        let mut found = Vec::new();
+        let mut found = [Vec::new()];
         pattern.compare(&map(&level(0.3, 0.1)), true, &mut found);
+        let [found] = found;
         assert!(!found.is_empty());
         for c in &found {
             assert!(c.cost < 0.01, "{}", c.cost);
@@ -566,9 +567,9 @@ mod tests {
             assert!(up.dot(DVec3::Z) > 0.999, "{up}");
         }
         // Steeper than what counts as the same place.
-        let mut steep = Vec::new();
+        let mut steep = [Vec::new()];
         pattern.compare(&map(&level(0.9, 0.0)), true, &mut steep);
-        assert!(steep.is_empty());
+        assert!(steep[0].is_empty());
     }
 
     #[test]
