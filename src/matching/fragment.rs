@@ -28,6 +28,9 @@ pub const TURNS: usize = 36;
 const COVER: f64 = 0.9;
 /// What the coarser layer counts (τ, Sec. 5.3).
 const COARSE: f64 = 0.5;
+/// What a copy may leave of the known detail, of its square: half its height. The best of thousands of unrelated
+/// fragments leave 0.4 to 1.5 on a hide of knobs, flutes of a column 0.05 to 0.3.
+const LEFT: f64 = 0.25;
 
 /// Heights by place, and how far each is to be believed: 0 (nothing there) to 1.
 #[derive(Clone)]
@@ -120,6 +123,35 @@ impl Fragment {
     /// δ of the fine layer alone, neither turned nor mirrored.
     pub fn fine_distance(&self, source: &Self) -> Option<f64> {
         difference(&self.fine, &source.fine, &Turned::new(0, false), 1)
+    }
+
+    /// Mean square of what the known fine surface has beyond the coarse one, in square radii.
+    pub fn detail(&self) -> f64 {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for i in 0..PLACES {
+            let known = self.fine.confidence[i] * self.coarse.confidence[i];
+            sum += f64::from(known * (self.fine.height[i] - self.coarse.height[i]).powi(2));
+            weight += f64::from(known);
+        }
+        sum / f64::max(weight, f64::MIN_POSITIVE)
+    }
+
+    /// Whether a source, aligned, tells more of this than the coarser surface does: it leaves little of the known
+    /// detail, and as large a part of its way from the coarser surface where nothing is known is no more than
+    /// the detail that the coarser surface lacks.
+    pub fn is_continued_by(&self, source: &Self) -> bool {
+        let plain = self.detail();
+        let own = Turned::new(0, false);
+        let Some(left) = difference(&self.fine, &source.fine, &own, 1) else { return false };
+        let (mut moved, mut weight) = (0.0, 0.0);
+        for i in 0..PLACES {
+            let unknown = (1.0 - self.fine.confidence[i]) * self.coarse.confidence[i];
+            let unknown = unknown * source.fine.confidence[i];
+            moved += f64::from(unknown * (source.fine.height[i] - self.coarse.height[i]).powi(2));
+            weight += f64::from(unknown);
+        }
+        let moved = moved / f64::max(weight, f64::MIN_POSITIVE);
+        left < LEFT * plain && left * moved < plain * plain
     }
 
     /// The transform that lays a source turned so over this (source to target).
@@ -331,6 +363,29 @@ mod tests {
         let same = Turned::new(0, false);
         assert!(target.distance(&source, &same).unwrap() < 1e-12);
         assert!(source.distance(&fragment(0.0, false, |p| p.x > -0.3), &same).is_none());
+    }
+
+    /// The same hills continue a half-known fragment; others do not, nor do hills that fit but lead far away where
+    /// nothing is known.
+    #[test]
+    fn a_fragment_is_continued_by_what_tells_more_than_the_coarser_surface() {
+        let target = fragment(0.0, false, |p| p.x > 0.0);
+        let source = fragment(0.0, false, |_| false);
+        assert!(target.is_continued_by(&source));
+        assert!(!target.is_continued_by(&fragment(1.5, false, |_| false)));
+        let changed = |off: &dyn Fn(DVec2) -> f32| {
+            let mut other = source.clone();
+            (0..PLACES).for_each(|i| other.fine.height[i] += off(place(i)));
+            other
+        };
+        let detail = target.detail().sqrt() as f32;
+        assert!(target.is_continued_by(&changed(&|_| 0.3 * detail)));
+        assert!(!target.is_continued_by(&changed(&|_| 0.6 * detail)));
+        let away = |p: DVec2| if p.x > 0.0 { 6.0 * detail } else { 0.3 * detail };
+        assert!(!target.is_continued_by(&changed(&away)));
+        // Nothing is known of the detail: nothing can tell more.
+        let plain = Fragment { fine: target.coarse.clone(), ..target.clone() };
+        assert!(!plain.is_continued_by(&source));
     }
 
     #[test]

@@ -8,6 +8,8 @@
 //! - The best few candidates are aligned with up to `STEPS` steps of the ICP, and each alignment is
 //!   judged again by the descriptor: turns of 10° and every n-th vertex are coarse.
 //! - A source smoother than what it shall continue is worse for it, as in the coherent method.
+//! - A fragment is laid only where it tells more of what is known than the coarser surface does
+//!   (`Fragment::is_continued_by`); elsewhere the smooth completion's shape goes on and meets the copies.
 
 use super::hierarchy::Scale;
 use super::join::matrix;
@@ -24,7 +26,7 @@ use crate::matching::source::Source;
 use crate::mesh::normals::vertex_normals;
 use crate::parallel;
 use glam::DVec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Candidates at most.
 const MOST: usize = 3000;
@@ -49,9 +51,17 @@ const MOVED: f64 = 0.25;
 /// Bins of the mean confidence when the next fragment is chosen (Sec. 4.3).
 const BINS: f64 = 10.0;
 
-/// Where no fragment serves a target the coarser surface stands for so much of its radius: one edge on the
-/// finest scale, and a wide border of a statue's foot is given up in seconds, not minutes.
-const GIVEN_UP: f64 = 0.25;
+/// A target that nothing serves is put off with those nearer than so much of its radius: one edge on the finest
+/// scale.
+const PUT_OFF: f64 = 0.25;
+/// After so many targets in a row that nothing serves the rest is left: the likeliest come first, and the border of
+/// a statue's open foot has hundreds.
+const REFUSED: usize = 24;
+/// Least cosine between the normals of a target and of a vertex that its fragment gives: beyond 60° a fragment
+/// was compared at one place in two at most.
+const SEEN: f64 = 0.5;
+/// Times that seams are closed anew without what moved too far.
+const JOINS: usize = 3;
 
 /// A height along a line and the face met.
 type Met = Option<(u32, f64)>;
@@ -149,6 +159,8 @@ pub struct Filling<'a> {
     guidance: Vec<DVec3>,
     guidance_tree: Bvh,
     normals: Vec<DVec3>,
+    /// What the smooth completion has at this scale and not at the coarser one.
+    band: Vec<DVec3>,
     /// The fill at this scale, where there is any, and a tree over it.
     filled: Vec<Option<DVec3>>,
     tree: Bvh,
@@ -195,6 +207,8 @@ impl<'a> Filling<'a> {
             filled[v] = Some(scales[0].positions[origin[v] as usize]);
             confidence[v] = 1.0;
         }
+        let band = origin.iter().map(|&v| v as usize);
+        let band = band.map(|v| scales[0].positions[v] - scales[1].positions[v]).collect();
         let graph = VertexGraph::new(guidance.len(), &patch.triangles);
         let copies = vec![None; guidance.len()];
         let mut made = Self {
@@ -204,6 +218,7 @@ impl<'a> Filling<'a> {
             guidance,
             guidance_tree,
             normals,
+            band,
             filled,
             tree: Bvh::from_triangles(std::iter::empty()),
             confidence,
@@ -236,6 +251,8 @@ impl<'a> Filling<'a> {
         let radius = self.candidates.radius;
         let new = self.filled.len() - self.patch.rim_count;
         let mut targets: BTreeMap<u32, Target> = BTreeMap::new();
+        let mut in_row = 0;
+        let mut put_off: BTreeSet<u32> = BTreeSet::new();
         let mut stale: Vec<u32> = self.frontier().collect();
         loop {
             let empty = self.filled.iter().filter(|f| f.is_none()).count();
@@ -253,31 +270,64 @@ impl<'a> Filling<'a> {
             let target = &self.target(b);
             let found = self.find(b, target, before, &check)?;
             let pasted = found.is_some_and(|p| self.paste(b, target, p));
-            if !pasted {
-                // Nothing serves: the coarser surface goes on here.
-                let at = self.guidance[b as usize];
-                let near = |i: usize| self.guidance[i].distance(at) < GIVEN_UP * radius;
-                let beside = self.graph.neighbours(b);
-                for i in 0..self.filled.len() {
-                    if self.filled[i].is_none() && (near(i) || beside.contains(&(i as u32))) {
-                        self.filled[i] = Some(self.guidance[i]);
-                    }
-                }
+            if pasted {
+                self.plant();
+                in_row = 0;
             }
-            self.plant();
             let centre = self.guidance[b as usize];
+            let off = |v: u32| self.guidance[v as usize].distance(centre);
+            if !pasted {
+                // Put off, with its neighbours, until something is laid beside it.
+                let near: Vec<u32> =
+                    targets.keys().copied().filter(|&v| off(v) <= PUT_OFF * radius).collect();
+                for v in near {
+                    targets.remove(&v);
+                    put_off.insert(v);
+                }
+                stale.clear();
+                in_row += 1;
+                if in_row >= REFUSED {
+                    break;
+                }
+                continue;
+            }
             let open: Vec<u32> = self.frontier().collect();
-            // What others show has changed, if something was laid: with those nearer than a radius made anew
-            // the order is nearly that of all, at a third of the time.
-            let holds = |v: u32| {
-                let far = self.guidance[v as usize].distance(centre) > radius;
-                (far || !pasted) && open.binary_search(&v).is_ok()
-            };
+            // What others show has changed: with those nearer than a radius made anew the order is nearly that
+            // of all, at a third of the time.
+            let holds = |v: u32| off(v) > radius && open.binary_search(&v).is_ok();
             targets.retain(|&v, _| holds(v));
-            stale = open.into_iter().filter(|v| !targets.contains_key(v)).collect();
+            put_off.retain(|&v| holds(v));
+            let known = |v: &u32| targets.contains_key(v) || put_off.contains(v);
+            stale = open.into_iter().filter(|v| !known(v)).collect();
         }
-        let positions = self.joined();
+        let positions = self.close_seams();
         Ok(Filled { positions, copies: self.copies, pasted: self.pasted })
+    }
+
+    /// The whole fill: where no copy serves the smooth completion's own shape of this scale goes on, and so it does
+    /// where a copy would have to move far to meet the others: it was never one surface with them.
+    fn close_seams(&mut self) -> Vec<DVec3> {
+        let (rim, n) = (self.patch.rim_count, self.filled.len());
+        for i in rim..n {
+            let plain = self.plain(i);
+            self.filled[i].get_or_insert(plain);
+        }
+        let mut positions = self.joined();
+        for _ in 0..JOINS {
+            let most = MOVED * self.candidates.radius;
+            let moved = |i: usize| self.filled[i].map_or(0.0, |p| p.distance(positions[i]));
+            let is_far = |i: &usize| self.copies[*i].is_some() && moved(*i) > most;
+            let far: Vec<usize> = (rim..n).filter(is_far).collect();
+            if far.is_empty() {
+                break;
+            }
+            for i in far {
+                self.copies[i] = None;
+                self.filled[i] = Some(self.plain(i));
+            }
+            positions = self.joined();
+        }
+        positions
     }
 
     /// The fill, its seams closed: differences between neighbours are those of the copy at each vertex,
@@ -290,6 +340,7 @@ impl<'a> Filling<'a> {
         let ratio = (edge / (SEAM * self.candidates.radius)).powi(2) / 4.0;
         let beside = |i: usize| self.beside(i).iter().map(|&w| w as usize).collect();
         let mut columns = vec![vec![0.0; n - rim]; 3];
+        let mut holds = vec![0.0; n - rim];
         for i in rim..n {
             let around = self.beside(i);
             let degree = around.len() as f64;
@@ -303,13 +354,16 @@ impl<'a> Filling<'a> {
                 {
                     a - b
                 }
+                // Nothing was copied: the shape that stands in goes on, wherever its surroundings are.
+                _ if self.copies[i].is_none() => self.plain(i) - self.plain(w),
                 _ => p - positions[w],
             };
             let wanted: DVec3 = around.iter().map(|&w| edge_to(w as usize)).sum();
             let rims = around.iter().filter(|&&w| (w as usize) < rim);
             let known: DVec3 = rims.map(|&w| positions[w as usize]).sum();
             let rhs = (wanted + known) / degree;
-            let hold = degree * ratio * ratio;
+            let hold = if self.copies[i].is_some() { degree * ratio * ratio } else { 0.0 };
+            holds[i - rim] = hold;
             for d in 0..3 {
                 columns[d][i - rim] += degree * rhs[d] + hold * p[d];
                 for &w in around.iter().filter(|&&w| w as usize >= rim) {
@@ -317,15 +371,11 @@ impl<'a> Filling<'a> {
                 }
             }
         }
-        let factor = matrix(rim..n, ratio, &beside).factor(1.0, &vec![0.0; n - rim]);
+        let factor = matrix(rim..n, 0.0, &beside).factor(1.0, &holds);
         if let Some(factor) = factor {
             factor.solve(&mut columns);
             let solved = |i: usize| DVec3::from([0, 1, 2].map(|d| columns[d][i - rim]));
-            // Seams are small; what moves far was never one surface.
-            let most = MOVED * self.candidates.radius;
-            if (rim..n).all(|i| solved(i).distance(positions[i]) < most) {
-                (rim..n).for_each(|i| positions[i] = solved(i));
-            }
+            (rim..n).for_each(|i| positions[i] = solved(i));
         }
         positions
     }
@@ -338,6 +388,11 @@ impl<'a> Filling<'a> {
         let tree = &self.candidates.fine.tree;
         let (_, h) = meet(tree, inverse.point(p), inverse.direction(n), reach)?;
         Some(p + h * n)
+    }
+
+    /// Where a vertex is without a copy.
+    fn plain(&self, i: usize) -> DVec3 {
+        self.guidance[i] + self.band[i]
     }
 
     fn beside(&self, i: usize) -> &[u32] {
@@ -458,13 +513,12 @@ impl<'a> Filling<'a> {
                 best = Some((cost, t));
             }
         }
-        Ok(best.map(|(_, transform)| {
+        Ok(best.and_then(|(_, transform)| {
             let source = self.candidates.look(back(&transform, &own.frame));
-            let left = own.fine_distance(&source).unwrap_or(0.0);
-            let mut plain = own.clone();
-            plain.fine.height = plain.coarse.height;
-            let there = own.fine_distance(&plain).unwrap_or(0.0);
-            Pasted { transform, errors: [left, there].map(|d| radius * d.sqrt()) }
+            let is_alike = own.is_continued_by(&source);
+            let left = own.fine_distance(&source).unwrap_or(f64::INFINITY);
+            let errors = [left, own.detail()].map(|d| radius * d.sqrt());
+            is_alike.then_some(Pasted { transform, errors })
         }))
     }
 
@@ -525,7 +579,7 @@ impl<'a> Filling<'a> {
                 }
                 let (p, n) = (self.guidance[i], self.normals[i]);
                 let flat = own.frame.local(p).truncate() / radius;
-                if flat.length() > 1.0 || n.dot(own.frame.axes.z_axis) < FACING {
+                if flat.length() > 1.0 || n.dot(own.frame.axes.z_axis) < SEEN {
                     continue;
                 }
                 queue.push(w);
