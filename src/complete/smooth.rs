@@ -207,7 +207,8 @@ pub fn fill_hole(
             };
             check(0.95)?;
             match made {
-                Ok(patch) => {
+                Ok(mut patch) => {
+                    patch.offsets = vec![DVec3::ZERO; patch.positions.len()];
                     // The blend is a thin plate with a share of curvature.
                     let fairing = if attempt == Fairing::Auto { Fairing::C1 } else { attempt };
                     let (method, coherence_error, story) = (Method::Smooth, None, None);
@@ -376,14 +377,13 @@ fn descend(
             return Ok(Err(TOO_MANY.into()));
         }
         check(0.6)?;
-        let sheet = Sheet::new(&patch, band, around.near);
-        let start = (rim..patch.positions.len()).map(|v| patch.positions[v] - patch.offsets[v]);
-        let Some(moved) = fair_from(sheet, start, plate, edge, most) else {
+        let mut sheet = Sheet::take(&mut patch, band, around.near);
+        if fair_from(&mut sheet, &patch.offsets, plate, most).is_none() {
             return Ok(Err(NO_FACTOR.into()));
-        };
-        place(&mut patch, &moved);
-        for (p, offset) in patch.positions.iter_mut().zip(&patch.offsets).skip(rim) {
-            *p += *offset;
+        }
+        sheet.give_back(&mut patch);
+        for v in rim..patch.positions.len() {
+            patch.positions[v] += patch.offsets.get(v).copied().unwrap_or_default();
         }
         if coarse <= 1.0 {
             return Ok(Ok(patch));
@@ -417,6 +417,7 @@ fn auto(
     let hidden = rings.min(MOST_HIDDEN / outline.vertices.len().max(1)).max(1);
     let band = Band::grow(near, incidence, &outline.vertices, hidden + 2);
     let sheet = Sheet::new(&patch, &band, near);
+    drop(band);
     let Some(prediction) = predict_hidden(sheet, hidden, edge) else {
         return Ok(Err(NO_FACTOR.into()));
     };
@@ -426,6 +427,7 @@ fn auto(
     if prediction.share > 0.0 {
         let sheet = Sheet::new(&patch, &band, near);
         if let Some([thin, curved]) = fair_both(&sheet) {
+            patch.offsets = vec![DVec3::ZERO; patch.positions.len()];
             let rim = patch.rim_count;
             for (i, (a, b)) in thin.iter().zip(&curved).enumerate() {
                 patch.positions[rim + i] = a.lerp(*b, prediction.share);
@@ -439,7 +441,7 @@ fn auto(
     // In full the curvature is worth a solution of its own.
     let whole = prediction.share == 1.0;
     if whole {
-        patch.offsets.fill(DVec3::ZERO);
+        patch.offsets = Vec::new();
     }
     let plate = if whole { Plate::Triharmonic } else { Plate::Thin };
     descend(around, outline, patch, coarse, plate, &band, check)

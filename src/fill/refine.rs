@@ -38,6 +38,10 @@ pub fn refine(
 ) -> Result<bool> {
     let mut looks = Looks::default();
     for round in 0..rounds {
+        // What is gone keeps its place in all arrays, and more is gone each round.
+        if round > 0 {
+            patch.compact();
+        }
         let changed = split_long(patch, &mut looks, pace)?;
         flip_to_delaunay(patch, taken, &mut looks, pace)?;
         if patch.positions.len() > MOST_VERTICES {
@@ -77,6 +81,10 @@ impl Looks {
             self.changed.resize(patch.triangles.len(), self.clock);
             self.seen.resize(patch.triangles.len(), 0);
         }
+    }
+    fn reserve(&mut self, triangles: usize) {
+        self.changed.reserve_exact(triangles);
+        self.seen.reserve_exact(triangles);
     }
     fn change(&mut self, triangles: impl IntoIterator<Item = u32>) {
         self.clock += 1;
@@ -124,6 +132,8 @@ fn split_long(patch: &mut Patch, looks: &mut Looks, pace: &mut Pace<'_>) -> Resu
         }
         any = true;
         long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        patch.reserve(long.len());
+        looks.reserve(2 * long.len());
         for (ratio, t, k) in long {
             // An earlier split may have changed this triangle.
             let n = patch.across[t as usize][k];

@@ -112,14 +112,41 @@ pub struct Sheet {
 impl Sheet {
     /// Puts a patch and the band around its rim together.
     pub fn new(patch: &Patch, band: &Band, near: &Neighbourhood) -> Self {
-        let (rim, new) = (patch.rim_count, patch.positions.len() - patch.rim_count);
         // Exactly what is needed: growing takes twice that.
+        let new = patch.positions.len() - patch.rim_count;
         let mut positions = Vec::with_capacity(new + band.vertices.len());
         positions.extend_from_slice(&patch.positions);
-        positions.extend(band.vertices[rim..].iter().map(|&v| near.positions.get(v)));
-        let number = |v: u32| if (v as usize) < rim { v } else { v + new as u32 };
         let mut triangles = Vec::with_capacity(patch.triangles.len() + band.faces.len());
         triangles.extend_from_slice(&patch.triangles);
+        Self::extend((positions, triangles), patch.rim_count, band, near)
+    }
+
+    /// The same with the patch's own positions and triangles, which it has back by [`Self::give_back`]: a
+    /// large fill has no room for a second copy.
+    pub fn take(patch: &mut Patch, band: &Band, near: &Neighbourhood) -> Self {
+        let mut positions = std::mem::take(&mut patch.positions);
+        let mut triangles = std::mem::take(&mut patch.triangles);
+        positions.reserve_exact(band.vertices.len() - patch.rim_count);
+        triangles.reserve_exact(band.faces.len());
+        Self::extend((positions, triangles), patch.rim_count, band, near)
+    }
+
+    /// Gives the patch its positions and triangles, where they are now.
+    pub fn give_back(mut self, patch: &mut Patch) {
+        self.positions.truncate(self.patch_count);
+        self.triangles.truncate(self.triangles.len() - self.band_face_count);
+        (patch.positions, patch.triangles) = (self.positions, self.triangles);
+    }
+
+    fn extend(
+        (mut positions, mut triangles): (Vec<DVec3>, Vec<[u32; 3]>),
+        rim: usize,
+        band: &Band,
+        near: &Neighbourhood,
+    ) -> Self {
+        let new = positions.len() - rim;
+        positions.extend(band.vertices[rim..].iter().map(|&v| near.positions.get(v)));
+        let number = |v: u32| if (v as usize) < rim { v } else { v + new as u32 };
         triangles.extend(band.faces.iter().map(|f| f.map(number)));
         let mut ring = vec![0; positions.len()];
         for r in 1..band.ring_ends.len() {
@@ -183,8 +210,8 @@ impl Laplacian {
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], weights: Weights) -> Self {
         let n = positions.len();
         let around = Incidence::of(n, triangles);
-        // Each inner edge is two entries, and has two triangles.
-        let entries = 3 * triangles.len() + n;
+        // Each inner edge is two entries, and has two triangles; those of the border are few.
+        let entries = 3 * triangles.len();
         let mut l = Self {
             start: Vec::with_capacity(n + 1),
             to: Vec::with_capacity(entries),
@@ -213,6 +240,10 @@ impl Laplacian {
                 }
             }
             row.sort_unstable_by_key(|e| e.0);
+            if l.to.len() + row.len() > l.to.capacity() {
+                l.to.reserve_exact(row.len() + n / 16);
+                l.weight.reserve_exact(row.len() + n / 16);
+            }
             for &(to, half_cotangents) in &row {
                 let w = match weights {
                     Weights::Uniform => 1.0,
@@ -224,6 +255,7 @@ impl Laplacian {
             }
             l.start.push(l.to.len() as u32);
         }
+        drop(around);
         l.lift_masses();
         l
     }

@@ -2,10 +2,19 @@
 
 use super::envelope::{Envelope, Lower};
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::reborrow::IntoConst;
+use faer::sparse::linalg::cholesky::simplicial::{
+    factorize_simplicial_numeric_llt, factorize_simplicial_numeric_llt_scratch,
+};
+use faer::sparse::linalg::cholesky::supernodal::{
+    factorize_supernodal_numeric_llt, factorize_supernodal_numeric_llt_scratch,
+};
 use faer::sparse::linalg::cholesky::{
-    factorize_symbolic_cholesky, CholeskySymbolicParams, LltRef, SymmetricOrdering,
+    factorize_symbolic_cholesky, CholeskySymbolicParams, LltRef, SymbolicCholeskyRaw,
+    SymmetricOrdering,
 };
 use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::utils::{permute_self_adjoint_scratch, permute_self_adjoint_to_unsorted};
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, Mat, Par, Side};
 use glam::DVec3;
@@ -109,8 +118,78 @@ impl System {
         (envelope.cost() <= ENVELOPE_COST * self.rows.len() as f64).then_some(envelope)
     }
 
-    /// By the crate `faer`, AMD ordering.
+    /// By the crate `faer`, AMD ordering. Each thing is dropped as soon as the next one is there: what is
+    /// alive beside the factor is most of what a fill takes.
     fn solve_sparse(self) -> Option<Vec<DVec3>> {
+        let (matrix, rhs) = self.sorted();
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
+            ..Default::default()
+        };
+        let order = SymmetricOrdering::Amd;
+        let shape =
+            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, params).ok()?;
+        let n = shape.nrows();
+        // As `SymbolicCholesky::factorize_numeric_llt`, which keeps the matrix beside its own copy.
+        let side = match shape.raw() {
+            SymbolicCholeskyRaw::Simplicial(_) => Side::Upper,
+            SymbolicCholeskyRaw::Supernodal(_) => Side::Lower,
+        };
+        let entries = matrix.row_idx().len();
+        let (mut columns, mut rows) = (vec![0u32; n + 1], vec![0u32; entries]);
+        let mut values = vec![0.0; entries];
+        let permuted = permute_self_adjoint_to_unsorted(
+            &mut values,
+            &mut columns,
+            &mut rows,
+            matrix.as_ref(),
+            shape.perm()?,
+            Side::Lower,
+            side,
+            MemStack::new(&mut MemBuffer::try_new(permute_self_adjoint_scratch::<u32>(n)).ok()?),
+        )
+        .into_const();
+        drop(matrix);
+        let mut factor = vec![0.0; shape.len_val()];
+        match shape.raw() {
+            SymbolicCholeskyRaw::Simplicial(shape) => {
+                let room = factorize_simplicial_numeric_llt_scratch::<u32, f64>(n);
+                let stack = &mut MemBuffer::try_new(room).ok()?;
+                let (stack, regular) = (MemStack::new(stack), Default::default());
+                factorize_simplicial_numeric_llt(&mut factor, permuted, regular, shape, stack).ok()?;
+            }
+            SymbolicCholeskyRaw::Supernodal(shape) => {
+                let (par, params) = (Par::Seq, Default::default());
+                let room = factorize_supernodal_numeric_llt_scratch::<u32, f64>(shape, par, params);
+                let stack = &mut MemBuffer::try_new(room).ok()?;
+                let (stack, regular) = (MemStack::new(stack), Default::default());
+                factorize_supernodal_numeric_llt(
+                    &mut factor,
+                    permuted,
+                    regular,
+                    shape,
+                    par,
+                    stack,
+                    params,
+                )
+                .ok()?;
+            }
+        }
+        drop((columns, rows, values));
+        let mut x = Mat::from_fn(n, 3, |i, d| rhs[i][d]);
+        drop(rhs);
+        let room = shape.solve_in_place_scratch::<f64>(3, Par::Seq);
+        LltRef::new(&shape, &factor).solve_in_place_with_conj(
+            Conj::No,
+            x.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::try_new(room).ok()?),
+        );
+        Some((0..n).map(|i| DVec3::new(x[(i, 0)], x[(i, 1)], x[(i, 2)])).collect())
+    }
+
+    /// The matrix with the rows of each column ascending, and the right-hand side.
+    fn sorted(self) -> (SparseColMat<u32, f64>, Vec<DVec3>) {
         let n = self.rhs.len();
         let (mut rows, mut values) = (self.rows, self.values);
         let mut column: Vec<(u32, f64)> = Vec::new();
@@ -125,37 +204,7 @@ impl System {
             }
         }
         let symbolic = SymbolicSparseColMat::new_checked(n, n, self.columns, None, rows);
-        let matrix = SparseColMat::new(symbolic, values);
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
-            ..Default::default()
-        };
-        let order = SymmetricOrdering::Amd;
-        let shape =
-            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, params).ok()?;
-        let mut factor = vec![0.0; shape.len_val()];
-        let room = shape.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        shape
-            .factorize_numeric_llt(
-                &mut factor,
-                matrix.as_ref(),
-                Side::Lower,
-                Default::default(),
-                Par::Seq,
-                MemStack::new(&mut MemBuffer::try_new(room).ok()?),
-                Default::default(),
-            )
-            .ok()?;
-        drop(matrix);
-        let mut x = Mat::from_fn(n, 3, |i, d| self.rhs[i][d]);
-        let room = shape.solve_in_place_scratch::<f64>(3, Par::Seq);
-        LltRef::new(&shape, &factor).solve_in_place_with_conj(
-            Conj::No,
-            x.as_mut(),
-            Par::Seq,
-            MemStack::new(&mut MemBuffer::try_new(room).ok()?),
-        );
-        Some((0..n).map(|i| DVec3::new(x[(i, 0)], x[(i, 1)], x[(i, 2)])).collect())
+        (SparseColMat::new(symbolic, values), self.rhs)
     }
 }
 
