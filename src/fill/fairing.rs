@@ -14,7 +14,7 @@
 
 use super::blocks::solve_by_blocks;
 use super::sheet::{Laplacian, Sheet, Weights};
-use super::solve::System;
+use super::solve::{grow, System};
 use glam::DVec3;
 
 /// Length over which the residual at the rim fades, in wanted edge lengths: two edges are just
@@ -358,6 +358,7 @@ impl Rows {
                     add_row(j, -w);
                 }
                 add_row(i, diagonal);
+                grow(&mut rows.columns, &mut rows.values, used.len(), count);
                 for &k in &used {
                     rows.columns.push(k);
                     rows.values.push(std::mem::replace(&mut sum[k as usize], f64::NAN));

@@ -1,8 +1,10 @@
 //! A fill together with the known surface around it, and the cotangent Laplacian on both.
 
 use super::patch::Patch;
+use super::solve::grow;
 use crate::mesh::neighbourhood::{Neighbourhood, NONE};
 use glam::DVec3;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Least and greatest weight of an edge: near-degenerate triangles, of which scans are full,
 /// would else let one edge decide everything (a bi-Laplacian without the clamp explodes).
@@ -43,6 +45,31 @@ impl Incidence {
     /// The faces at vertex `v`.
     pub fn faces(&self, v: u32) -> &[u32] {
         &self.faces[self.start[v as usize] as usize..self.start[v as usize + 1] as usize]
+    }
+}
+
+/// The faces at each vertex of a neighbourhood, made when asked for. They are a third of what it takes:
+/// a fill that needs the room forgets them, and who asks again has them made again.
+pub struct Incidences<'a> {
+    near: &'a Neighbourhood,
+    made: Mutex<Option<Arc<Incidence>>>,
+}
+
+impl<'a> Incidences<'a> {
+    /// Of a neighbourhood; none made yet.
+    pub fn new(near: &'a Neighbourhood) -> Self {
+        Self { near, made: Mutex::default() }
+    }
+
+    /// The faces at each vertex.
+    pub fn get(&self) -> Arc<Incidence> {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        made.get_or_insert_with(|| Arc::new(Incidence::new(self.near))).clone()
+    }
+
+    /// Drops them as soon as nobody uses them.
+    pub fn forget(&self) {
+        *self.made.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 }
 
@@ -240,10 +267,7 @@ impl Laplacian {
                 }
             }
             row.sort_unstable_by_key(|e| e.0);
-            if l.to.len() + row.len() > l.to.capacity() {
-                l.to.reserve_exact(row.len() + n / 16);
-                l.weight.reserve_exact(row.len() + n / 16);
-            }
+            grow(&mut l.to, &mut l.weight, row.len(), n / 64);
             for &(to, half_cotangents) in &row {
                 let w = match weights {
                     Weights::Uniform => 1.0,

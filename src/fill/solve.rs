@@ -30,6 +30,15 @@ const ENVELOPE_UNKNOWNS: usize = 5000;
 /// products keep 4 MiB a thread, more than a small mesh, and up to some 10,000 unknowns are no faster.
 const SUPERNODAL: f64 = 4.0;
 
+/// Makes room for more entries of a matrix with so many rows, some entries a row at a time: doubled, the
+/// arrays of a triharmonic system would be twice as long as what is in them.
+pub fn grow(columns: &mut Vec<u32>, values: &mut Vec<f64>, more: usize, rows: usize) {
+    if columns.len() + more > columns.capacity() {
+        columns.reserve_exact(more + 4 * rows);
+        values.reserve_exact(more + 4 * rows);
+    }
+}
+
 /// A symmetric matrix being assembled column by column: the lower triangle and the right-hand side.
 pub struct System {
     columns: Vec<u32>,
@@ -78,6 +87,7 @@ impl System {
     /// Ends the current column, whose right-hand side is `rhs`.
     pub fn end_column(&mut self, rhs: DVec3) {
         self.columns.push(self.rows.len() as u32);
+        grow(&mut self.rows, &mut self.values, self.used.len(), self.scratch.len());
         for &i in &self.used {
             self.rows.push(i as u32);
             self.values.push(self.scratch[i]);
@@ -96,7 +106,6 @@ impl System {
         self.columns.push(u32::try_from(self.rows.len()).ok()?);
         self.scratch = Vec::new();
         self.used = Vec::new();
-        // Grown by pushes, they may be twice as long as what is in them.
         self.rows.shrink_to_fit();
         self.values.shrink_to_fit();
         let solution = match self.narrow_envelope() {
@@ -156,7 +165,8 @@ impl System {
                 let room = factorize_simplicial_numeric_llt_scratch::<u32, f64>(n);
                 let stack = &mut MemBuffer::try_new(room).ok()?;
                 let (stack, regular) = (MemStack::new(stack), Default::default());
-                factorize_simplicial_numeric_llt(&mut factor, permuted, regular, shape, stack).ok()?;
+                factorize_simplicial_numeric_llt(&mut factor, permuted, regular, shape, stack)
+                    .ok()?;
             }
             SymbolicCholeskyRaw::Supernodal(shape) => {
                 let (par, params) = (Par::Seq, Default::default());
