@@ -296,6 +296,11 @@ impl Patch {
         self.across.reserve_exact(2 * splits);
     }
 
+    /// How many vertices were removed and still have their places.
+    pub fn gone(&self) -> usize {
+        self.at[self.rim_count..].iter().filter(|&&t| t == NONE).count()
+    }
+
     /// Drops removed triangles and vertices; rim vertices keep their numbers.
     pub fn compact(&mut self) {
         let mut tri_number = vec![NONE; self.triangles.len()];

@@ -20,6 +20,9 @@ const FLIP_PASSES: usize = 12;
 /// Least cosine between the two faces after a flip (20°), unless it was worse before. A coarse
 /// triangulation's folds are its shape: Delaunay flips across them turn a ridge into a pit.
 const FLIP_BEND: f64 = 0.94;
+/// Removed vertices are dropped between two rounds when there is more than one for so many: less is not
+/// worth the pass.
+const MOST_GONE: usize = 8;
 /// New vertices of one hole at most: 2³¹ indices are shared by all; beyond this the wanted length
 /// is surely a mistake.
 const MOST_VERTICES: usize = 40_000_000;
@@ -39,7 +42,7 @@ pub fn refine(
     let mut looks = Looks::default();
     for round in 0..rounds {
         // What is gone keeps its place in all arrays, and more is gone each round.
-        if round > 0 {
+        if round > 0 && patch.gone() * MOST_GONE > patch.positions.len() {
             patch.compact();
         }
         let changed = split_long(patch, &mut looks, pace)?;

@@ -11,6 +11,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 const WEIGHT_RANGE: (f64, f64) = (0.01, 3.0);
 /// Least mass of a vertex, in median masses, for the same reason.
 const LEAST_MASS: f64 = 0.5;
+/// Triangles whose cotangents are kept while a Laplacian is made, 32 bytes each: of more they are computed
+/// anew at each corner, since they would be a third of the room.
+const MOST_KEPT: usize = 1 << 13;
 
 /// Faces at each vertex of a mesh, as one array with row starts.
 pub struct Incidence {
@@ -247,23 +250,25 @@ impl Laplacian {
             mass: vec![0.0; n],
         };
         l.start.push(0);
+        let shape = |tri: &[u32; 3]| half_cotangents(tri.map(|v| positions[v as usize]));
+        let shapes: Vec<_> = match triangles.len() <= MOST_KEPT {
+            true => triangles.iter().map(shape).collect(),
+            false => Vec::new(),
+        };
         let mut row: Vec<(u32, f64)> = Vec::new();
         for v in 0..n {
             row.clear();
-            // Each cotangent is computed twice rather than kept: they would be a third of the room.
             for &t in around.faces(v as u32) {
-                let tri = triangles[t as usize];
-                let p = tri.map(|v| positions[v as usize]);
-                let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
-                let half_cot = |at: usize| {
-                    let (u, v) = (p[(at + 1) % 3] - p[at], p[(at + 2) % 3] - p[at]);
-                    0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE)
+                let tri = &triangles[t as usize];
+                let (half_cot, area2) = match shapes.get(t as usize) {
+                    Some(shape) => *shape,
+                    None => shape(tri),
                 };
                 for k in (0..3).filter(|&k| tri[k] as usize == v) {
                     let (next, last) = ((k + 1) % 3, (k + 2) % 3);
                     l.mass[v] += area2 / 6.0;
-                    add_to(&mut row, tri[next], half_cot(last));
-                    add_to(&mut row, tri[last], half_cot(next));
+                    add_to(&mut row, tri[next], half_cot[last]);
+                    add_to(&mut row, tri[last], half_cot[next]);
                 }
             }
             row.sort_unstable_by_key(|e| e.0);
@@ -279,7 +284,7 @@ impl Laplacian {
             }
             l.start.push(l.to.len() as u32);
         }
-        drop(around);
+        drop((around, shapes));
         l.lift_masses();
         l
     }
@@ -299,6 +304,16 @@ impl Laplacian {
         let range = self.start[v] as usize..self.start[v + 1] as usize;
         range.map(|e| (self.to[e] as usize, self.weight[e]))
     }
+}
+
+/// Half the cotangent at each corner of a triangle, and twice its area.
+fn half_cotangents(p: [DVec3; 3]) -> ([f64; 3], f64) {
+    let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
+    let half_cot = |at: usize| {
+        let (u, v) = (p[(at + 1) % 3] - p[at], p[(at + 2) % 3] - p[at]);
+        0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE)
+    };
+    ([0, 1, 2].map(half_cot), area2)
 }
 
 /// Adds to the entry of a column; a row has few.
