@@ -30,6 +30,11 @@ impl Origin {
     /// Of a vertex that no source gave.
     pub const NOWHERE: Self =
         Self { face: NONE, barycentric: [0.0; 3], source: NONE, confidence: 0.0 };
+
+    /// Whether no source gave it.
+    pub fn is_nowhere(&self) -> bool {
+        self.face == NONE
+    }
 }
 
 /// A confidence in a word. `convincing`, from 0.8: hidden surface was predicted with at most half

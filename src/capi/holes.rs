@@ -1,8 +1,8 @@
 //! The holes of a mesh or a cloud for C: measured, with what became of them after a completion.
 
+use super::choices::CMethod;
 use super::error::{c_string, Elements};
 use super::guard::guard_value;
-use super::options::CMethod;
 use super::write_out;
 use crate::error::Problem;
 use crate::holes::{Hole, HoleKind, HoleList};

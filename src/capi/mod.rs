@@ -7,6 +7,8 @@
 #![allow(clippy::missing_safety_doc)]
 
 mod arrays;
+mod checked;
+mod choices;
 mod completer;
 mod error;
 mod guard;
@@ -18,6 +20,7 @@ mod points;
 mod progress;
 mod result;
 
+pub use choices::*;
 pub use completer::*;
 pub use error::*;
 pub use holes::*;

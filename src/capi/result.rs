@@ -1,10 +1,10 @@
 //! The result of a completion for C: arrays in the input's own number type.
 
+use super::choices::CVertexType;
 use super::error::{Failure, Status};
 use super::guard::guard_value;
 use super::holes::Holes;
 use super::input::Input;
-use super::options::CVertexType;
 use crate::points::{CleanedPoints, PointCompletion};
 use crate::result::{Completion, Origin};
 use std::ffi::c_void;

@@ -365,6 +365,8 @@ pub fn tell(
     let place = |label: (usize, usize)| all.iter().position(|&l| l == label).unwrap_or(0) as u32;
     let origin = |(i, label): (usize, &Option<(usize, usize)>)| {
         let found = label.and_then(|(w, k)| Some((views[w].place(i, k)?, (w, k))));
+        // A completion is no place to come from.
+        let found = found.filter(|(at, _)| !source.is_completion(at.face));
         match found {
             Some((at, label)) => Origin {
                 face: source.face_ids[at.face as usize],
@@ -382,10 +384,11 @@ pub fn tell(
         face: source.face_ids[at.face as usize],
         barycentric: at.barycentric,
     };
-    let seams = places_beside(domain, views, labels).map(seam).collect();
-    let ring = places_on_ring(views, labels).map(seam).collect();
+    let is_known = |(_, _, at): &(u32, (usize, usize), Place)| !source.is_completion(at.face);
+    let seams = places_beside(domain, views, labels).filter(is_known).map(seam).collect();
+    let ring = places_on_ring(views, labels).filter(is_known).map(seam).collect();
     let mut used = vec![0; all.len()];
-    labels.iter().flatten().for_each(|&l| used[place(l) as usize] += 1);
+    origins.iter().filter(|o| !o.is_nowhere()).for_each(|o| used[o.source as usize] += 1);
     // As the exemplar lies, of which it is.
     let given = |&(w, k): &(usize, usize)| {
         let copy = &views[w].copies[k];

@@ -2,6 +2,7 @@
 //! ([`crate::Guidance`]): one given by hand, sources of other sizes, one candidate of several.
 
 use super::library::Library;
+use super::Completer;
 use crate::error::Result;
 use crate::guidance::{Guidance, Placement};
 use crate::matching::icp::{misfit, worth, RingPoint};
@@ -9,8 +10,10 @@ use crate::matching::rigid::Rigid;
 use crate::matching::ring_pattern::Candidate;
 use crate::matching::search::{find_candidates, thin_ring, Target, POINTS};
 use crate::matching::similarity::{gap, refine, scale_of, scaled, scaling};
-use crate::options::Exemplar;
+use crate::options::{Exemplar, Options};
 use crate::parallel;
+use crate::progress::Monitor;
+use crate::result::Completion;
 use crate::synthesis::view::{View, HOPELESS};
 use glam::DVec3;
 use std::slice::from_ref;
@@ -63,7 +66,7 @@ pub fn transforms(
     }
     if let Some(range) = guidance.scales.filter(|&range| range != [1.0, 1.0]) {
         let make = || search_scales(library, targets, range, threads, check);
-        return library.scaled.find(targets, Some(range), make);
+        return library.kept.scaled.find(targets, Some(range), make);
     }
     let found = library.candidates(targets, threads, check)?;
     let transforms = |list: &Vec<Candidate>| list.iter().map(|c| c.transform).collect();
@@ -192,9 +195,37 @@ pub fn rank(
     target: &Target<'_>,
     look: &dyn Fn() -> Result<Option<RankedView>>,
 ) -> Result<Arc<Vec<Rigid>>> {
-    library.ranked.find(from_ref(target), guidance.scales, || {
+    library.kept.ranked.find(from_ref(target), guidance.scales, || {
         Ok(look()?.map_or_else(Arc::default, |ranked| Arc::new(ranked.distinct(target))))
     })
+}
+
+impl Completer<'_> {
+    /// The `count` best candidates, best first: the completion that each alone makes, with its transform,
+    /// error and confidence in the reports. Fewer if there are fewer; of holes that have different numbers
+    /// as many as one has, and those that have no more get smooth fills. None if nothing serves.
+    /// The search is done once. `options.guidance.candidate` is not read.
+    pub fn candidates(
+        &self,
+        count: usize,
+        options: &Options,
+        monitor: &Monitor,
+    ) -> Result<Vec<Completion>> {
+        let mut all = Vec::new();
+        for candidate in 1..=count {
+            let guidance = Guidance { candidate, ..options.guidance.clone() };
+            let done = |part: f64| (candidate as f64 - 1.0 + part) / count as f64;
+            let report = |part: f64, stage: &str| monitor.step(done(part), stage).is_ok();
+            let own = Options { guidance, ..options.clone() };
+            let made = self.complete(&own, &Monitor::new(&report))?;
+            if made.holes.iter().all(|h| h.candidates < candidate) {
+                break;
+            }
+            all.push(made);
+        }
+        monitor.step(1.0, "done")?;
+        Ok(all)
+    }
 }
 
 /// What a view says of its copies: their transforms, the best first.

@@ -2,6 +2,7 @@
 //! it: kept between the holes of a call, and between the calls of a completer.
 
 use super::guided::{guess_scales, Transforms};
+use super::harary::Initial;
 use super::searches::Searches;
 use crate::descriptor::voting::voted_curvatures;
 use crate::error::Result;
@@ -14,19 +15,31 @@ use crate::matching::search::{
 };
 use crate::matching::signature::Features;
 use crate::matching::source::Source;
+use crate::matching::symmetry::symmetries;
+use crate::mesh::neighbourhood::NONE;
 use crate::mesh::MeshView;
 use crate::options::{Appearance, Sources};
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// What is made once a mesh and kept: what is known, what may be copied from, and its maps by scale.
+#[derive(Clone)]
 pub struct Library {
-    /// The whole mesh.
+    /// The whole mesh, with the smooth completions of other holes.
     pub known: Source,
-    /// What may be copied from, where that is not all that is known.
+    /// What may be copied from, where that is not all of it.
     chosen: Option<Source>,
     /// Whether mirrored copies may be made.
     pub mirrored: bool,
+    /// Scales at which the exemplars are as large as the mesh.
+    pub guesses: Vec<f64>,
+    /// What was made and found, for all holes.
+    pub kept: Arc<Kept>,
+}
+
+/// What all holes share, made when one first asks for it.
+#[derive(Default)]
+pub struct Kept {
     maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
     /// Of what is known, and of what was chosen.
     clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
@@ -38,8 +51,7 @@ pub struct Library {
     /// The same by [`crate::Method::Warp`].
     pub warped: Searches<Arc<Vec<Rigid>>>,
     features: Mutex<Option<Arc<Described>>>,
-    /// Scales at which the exemplars are as large as the mesh.
-    pub guesses: Vec<f64>,
+    symmetries: OnceLock<Arc<Vec<Rigid>>>,
 }
 
 /// What signatures are taken of: all that is known, and what was chosen of it and of exemplars.
@@ -72,14 +84,40 @@ impl Library {
             known,
             chosen: chosen.map(|s| s.painted(&paint)),
             mirrored: !sources.unmirrored,
-            maps: Mutex::default(),
-            clouds: Default::default(),
-            found: Searches::default(),
-            scaled: Searches::default(),
-            ranked: Searches::default(),
-            warped: Searches::default(),
-            features: Mutex::default(),
+            kept: Arc::default(),
         })
+    }
+
+    /// Of a mesh with completions of several of its holes, each with a number; each hole may copy from
+    /// those of the others. See [`Library::for_hole`].
+    pub fn completed(
+        mesh: MeshView<'_>,
+        boundary: &[u32],
+        fills: &[(u32, Initial<'_>)],
+        mirrored: bool,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Self> {
+        let (vertices, faces) = (mesh.vertices.len(), mesh.faces.len());
+        let mut positions: Vec<[f64; 3]> = (0..vertices).map(|v| mesh.vertices.get(v)).collect();
+        let mut triangles: Vec<[u32; 3]> = (0..faces).map(|f| mesh.faces.get(f)).collect();
+        let mut completion = vec![NONE; vertices];
+        for &(hole, Initial { ref rim, patch, .. }) in fills {
+            let first = positions.len() - patch.rim_count;
+            let number = |v: u32| *rim.get(v as usize).unwrap_or(&(first as u32 + v));
+            positions.extend(patch.positions[patch.rim_count..].iter().map(|p| p.to_array()));
+            triangles.extend(patch.triangles.iter().map(|t| t.map(number)));
+            completion.resize(positions.len(), hole);
+            rim.iter().for_each(|&v| completion[v as usize] = hole);
+        }
+        let whole = MeshView::new(&positions[..], &triangles[..]);
+        let rims = boundary.iter().copied();
+        let known = Source::completed(whole, rims, completion, [vertices, faces], check)?;
+        Ok(Self { guesses: Vec::new(), known, chosen: None, mirrored, kept: Arc::default() })
+    }
+
+    /// The same for one of its completions: that is nothing to copy from.
+    pub fn for_hole(&self, own: u32) -> Self {
+        Self { known: self.known.for_hole(own), ..self.clone() }
     }
 
     /// What may be copied from.
@@ -96,7 +134,7 @@ impl Library {
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Arc<Cloud>> {
         let key = cloud_scale(source, radius);
-        once(&self.clouds[kept], key, || cloud_at(source, key, check))
+        once(&self.kept.clouds[kept], key, || cloud_at(source, key, check))
     }
 
     fn maps(&self, radius: f64, check: &dyn Fn() -> Result<()>) -> Result<Arc<Maps>> {
@@ -106,8 +144,19 @@ impl Library {
         let known = self.cloud(&self.known, 0, radius, check)?;
         let chosen = self.chosen.as_ref().map(|s| self.cloud(s, 1, radius, check)).transpose()?;
         let of_source = chosen.unwrap_or_else(|| known.clone());
-        let make = || Maps::new(self.source(), radius, of_source, known, self.mirrored, check);
-        once(&self.maps, scale, make)
+        // An exemplar lies elsewhere.
+        let symmetries = match self.chosen {
+            Some(_) => Arc::default(),
+            None => {
+                let find = || Arc::new(symmetries(&self.known, self.mirrored));
+                self.kept.symmetries.get_or_init(find).clone()
+            }
+        };
+        let make = || {
+            let maps = Maps::new(self.source(), radius, of_source, known, self.mirrored, check)?;
+            Ok(maps.with_symmetries(symmetries))
+        };
+        once(&self.kept.maps, scale, make)
     }
 
     /// Maps of a source of another size, which are not kept.
@@ -130,7 +179,7 @@ impl Library {
         threads: usize,
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Arc<Described>> {
-        let mut kept = self.features.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = self.kept.features.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(features) = kept.as_ref() {
             return Ok(features.clone());
         }
@@ -152,7 +201,7 @@ impl Library {
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Found> {
         let Some(first) = targets.first() else { return Ok(Found::default()) };
-        self.found.find(targets, None, || {
+        self.kept.found.find(targets, None, || {
             let maps = self.maps(first.radius, &|| check(0.0))?;
             check(0.1)?;
             let late = |part: f64| check(0.1 + 0.9 * part);

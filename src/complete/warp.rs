@@ -103,7 +103,7 @@ impl Task<'_> {
             return Ok(Some(placed(library, placement, from_ref(&target))));
         }
         let early = |part: f64| (self.check)(PARTS.0 * part);
-        let ranked = library.warped.find(from_ref(&target), None, || {
+        let ranked = library.kept.warped.find(from_ref(&target), None, || {
             let found = self.find(&window.domain, &target, By::Shape, &|p| early(0.8 * p))?;
             let rough = roughness(self.around, library, &window.domain);
             let judged = &found[..found.len().min(JUDGED)];

@@ -32,24 +32,25 @@ pub fn threads_inside(count: usize, threads: usize) -> usize {
     }
 }
 
-/// Does jobs 0 to `count` and returns their results in order. A job calls its `check` with the
-/// fraction it has done.
+/// Does jobs that cost about so much and returns their results in order. A job calls its `check` with
+/// the fraction it has done.
 pub fn run<T: Send>(
-    count: usize,
+    costs: &[f64],
     threads: usize,
     (monitor, span): (&Monitor, Span),
     job: Job<'_, T>,
 ) -> Result<Vec<T>> {
-    // The quotient first: all of them are the whole span and not a bit more.
-    let fraction = |done: f64| span.0 + (span.1 - span.0) * (done / count.max(1) as f64);
+    let (count, total) = (costs.len(), costs.iter().sum::<f64>());
+    // Not a bit more than the whole span.
+    let fraction = |done: f64| span.0 + (span.1 - span.0) * (done / total).clamp(0.0, 1.0);
     let threads = thread_count(threads).min(count / FEW * 2).max(1);
     if threads == 1 {
         let one = |i: usize| {
             // A job that starts anew must not turn the progress back.
-            let most = Cell::new(0.0);
+            let (most, before) = (Cell::new(0.0), costs[..i].iter().sum::<f64>());
             job(i, &|part| {
                 most.set(part.max(most.get()));
-                monitor.step(fraction(i as f64 + most.get()), "filling")
+                monitor.step(fraction(before + costs[i] * most.get()), "filling")
             })
         };
         return (0..count).map(one).collect();
@@ -82,7 +83,7 @@ pub fn run<T: Send>(
             match receive.recv_timeout(BEAT) {
                 Ok((i, Ok(result))) => {
                     results[i] = Some(result);
-                    done += 1.0;
+                    done += costs[i];
                 }
                 Ok((_, Err(payload))) => {
                     monitor.cancel();
@@ -155,7 +156,8 @@ mod tests {
     fn results_come_in_order_on_any_number_of_threads() {
         for threads in 0..5 {
             let squares =
-                run(50, threads, (&Monitor::silent(), (0.0, 1.0)), &|i, _| Ok(i * i)).unwrap();
+                run(&[1.0; 50], threads, (&Monitor::silent(), (0.0, 1.0)), &|i, _| Ok(i * i))
+                    .unwrap();
             assert_eq!(squares, (0..50).map(|i| i * i).collect::<Vec<_>>());
         }
     }
@@ -171,7 +173,8 @@ mod tests {
                 true
             };
             let jobs = |_: usize, check: Check<'_>| check(1.0);
-            run(count, threads, (&Monitor::new(&report), (0.02, 0.98)), &jobs).unwrap();
+            let costs = vec![0.7; count];
+            run(&costs, threads, (&Monitor::new(&report), (0.02, 0.98)), &jobs).unwrap();
             assert!(*most.lock().unwrap() <= 0.98, "{count} holes, {threads} threads");
         }
     }
@@ -183,7 +186,7 @@ mod tests {
             7 => panic!("job {i}"),
             _ => Ok(i),
         };
-        let caught = catch_unwind(|| run(9, 2, (&Monitor::silent(), (0.0, 1.0)), &job));
+        let caught = catch_unwind(|| run(&[1.0; 9], 2, (&Monitor::silent(), (0.0, 1.0)), &job));
         let payload = caught.unwrap_err();
         assert_eq!(payload.downcast_ref::<String>().unwrap(), "job 7");
     }

@@ -103,6 +103,10 @@ impl System {
         if n == 0 {
             return Some(Vec::new());
         }
+        // Of a face whose area is lost to rounding: by an entry that is no number its row is there twice.
+        if !self.values.iter().all(|v| v.is_finite()) {
+            return None;
+        }
         self.columns.push(u32::try_from(self.rows.len()).ok()?);
         self.scratch = Vec::new();
         self.used = Vec::new();
@@ -252,6 +256,21 @@ mod tests {
             for (a, b) in a.iter().zip(&b) {
                 assert!(a.distance(*b) < 1e-9 * (1.0 + b.length()), "{n}: {a} {b}");
             }
+        }
+    }
+
+    /// Found by fuzzing: the row that was there twice was a panic in the crate that factors.
+    #[test]
+    fn a_system_with_an_entry_that_is_no_number_has_no_solution() {
+        for value in [f64::NAN, f64::INFINITY] {
+            let mut system = System::new(2);
+            system.add(0, value);
+            system.add(0, value);
+            system.add(1, 1.0);
+            system.end_column(DVec3::ONE);
+            system.add(1, 1.0);
+            system.end_column(DVec3::ONE);
+            assert!(system.solve().is_none(), "{value}");
         }
     }
 

@@ -4,6 +4,7 @@
 use super::blocks::Blocks;
 use super::source::Source;
 use crate::error::Result;
+use crate::mesh::neighbourhood::NONE;
 use crate::progress::Pace;
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
@@ -29,10 +30,24 @@ pub struct Thinned {
     pub roughness: Vec<f64>,
     /// Mean tints, see [`super::paint`]; `None` without colours.
     pub tints: Option<Vec<f64>>,
+    /// The hole that each is completed in; [`NONE`]: it is known. Empty if all are.
+    pub completion: Vec<u32>,
 }
 
-/// A point, its normal, its roughness and its tint.
-pub type Sample = (DVec3, DVec3, f64, f64);
+/// A point of a surface.
+#[derive(Clone, Copy)]
+pub struct Sample {
+    /// In mesh units.
+    pub point: DVec3,
+    /// Zero: it is left out.
+    pub normal: DVec3,
+    /// See [`SourceMesh::roughness`](super::source::SourceMesh).
+    pub roughness: f64,
+    /// See [`super::paint`].
+    pub tint: f64,
+    /// The hole that it is completed in; [`NONE`]: it is known.
+    pub completion: u32,
+}
 
 /// Points of a cloud at most, so that small holes in large objects stay affordable.
 const MOST_POINTS: f64 = 1.2e5;
@@ -85,14 +100,22 @@ const SORTED_AT_ONCE: usize = 1 << 15;
 
 fn vertex_samples(source: &Source) -> impl Iterator<Item = Sample> + Clone + '_ {
     source.points.ids().iter().map(|&v| {
-        let v = v as usize;
-        (source.positions[v], source.normals[v], source.roughness[v], source.tint(v))
+        let i = v as usize;
+        Sample {
+            point: source.positions[i],
+            normal: source.normals[i],
+            roughness: source.roughness[i],
+            tint: source.tint(i),
+            completion: if i < source.known_vertices { NONE } else { source.completion[i] },
+        }
     })
 }
 
 /// The middles of k² small triangles of each face, k that of its longest edge.
 fn face_samples(source: &Source, spacing: f64) -> impl Iterator<Item = Sample> + Clone + '_ {
-    source.faces.iter().flat_map(move |face| {
+    source.faces.iter().enumerate().flat_map(move |(f, face)| {
+        let completed = source.is_completion(f as u32);
+        let completion = if completed { source.completion[face[0] as usize] } else { NONE };
         let p = face.map(|v| source.positions[v as usize]);
         let n = face.map(|v| source.normals[v as usize]);
         let rough = face.iter().map(|&v| source.roughness[v as usize]).sum::<f64>() / 3.0;
@@ -107,7 +130,8 @@ fn face_samples(source: &Source, spacing: f64) -> impl Iterator<Item = Sample> +
             let c = 1.0 - a - b;
             let point = a * p[0] + b * p[1] + c * p[2];
             let tint = a * tints[0] + b * tints[1] + c * tints[2];
-            (point, a * n[0] + b * n[1] + c * n[2], rough, tint)
+            let normal = a * n[0] + b * n[1] + c * n[2];
+            Sample { point, normal, roughness: rough, tint, completion }
         })
     })
 }
@@ -118,11 +142,13 @@ struct Sum {
     normal: DVec3,
     roughness: f64,
     tint: f64,
+    completion: u32,
     count: f64,
 }
 
 /// One point for each cubic cell of width `spacing` along the axes, and each octant of the normal: the
-/// two sides of a thin wall are not averaged. Points without a normal are left out.
+/// two sides of a thin wall are not averaged. Points without a normal are left out, as are those of a
+/// completion in a cell that has known ones.
 pub fn thin(
     points: impl Iterator<Item = Sample> + Clone,
     spacing: f64,
@@ -134,14 +160,15 @@ pub fn thin(
     let mut low = DVec3::INFINITY;
     for point in points.clone() {
         pace.work(POINT)?;
-        low = low.min(along * point.0);
+        low = low.min(along * point.point);
     }
     // Summed up as they come: there are many times more samples than cells.
     let mut place: HashMap<u128, u32, BuildHasherDefault<CellHasher>> = HashMap::default();
     let mut sums: Vec<Sum> = Vec::new();
     let mut cells: Vec<u128> = Vec::new();
-    for (p, n, roughness, tint) in points.filter(|p| p.1 != DVec3::ZERO) {
+    for sample in points.filter(|p| p.normal != DVec3::ZERO) {
         pace.work(POINT)?;
+        let Sample { point: p, normal: n, roughness, tint, completion } = sample;
         let cell = ((along * p - low) / spacing).to_array().map(|x| x as u32);
         let at = |key: u128, x: u32| key << CELL_BITS | u128::from(x.min((1 << CELL_BITS) - 1));
         let octant = (along * n).cmplt(DVec3::ZERO).bitmask();
@@ -149,10 +176,16 @@ pub fn thin(
         let i = *place.entry(key).or_insert(sums.len() as u32) as usize;
         if i == sums.len() {
             cells.push(key << 32 | i as u128);
-            sums.push(Sum { point: p, normal: n, roughness, tint, count: 1.0 });
+            sums.push(Sum { point: p, normal: n, roughness, tint, completion, count: 1.0 });
             continue;
         }
         let sum = &mut sums[i];
+        if sum.completion != completion {
+            if completion == NONE {
+                *sum = Sum { point: p, normal: n, roughness, tint, completion, count: 1.0 };
+            }
+            continue;
+        }
         sum.point += p;
         sum.normal += n;
         sum.roughness += roughness;
@@ -167,6 +200,10 @@ pub fn thin(
         normals: in_order().map(|s| s.normal.normalize_or_zero()).collect(),
         roughness: in_order().map(|s| s.roughness / s.count).collect(),
         tints: Some(in_order().map(|s| s.tint / s.count).collect()),
+        completion: match in_order().all(|s| s.completion == NONE) {
+            true => Vec::new(),
+            false => in_order().map(|s| s.completion).collect(),
+        },
     })
 }
 
@@ -207,10 +244,15 @@ fn sort_checked(all: &mut [u128], check: &dyn Fn() -> Result<()>) -> Result<()> 
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use super::super::point_tree::PointTree;
     use super::super::source::tests::{hills, hilly_source};
-    use super::super::source::PointTree;
     use super::*;
+
+    /// A known point without a tint.
+    pub(crate) fn known(point: DVec3, normal: DVec3, roughness: f64) -> Sample {
+        Sample { point, normal, roughness, tint: 0.0, completion: NONE }
+    }
 
     /// Coarser and finer than the mesh the points lie on the hills, and no farther from any place
     /// than the spacing lets expect.
@@ -240,7 +282,7 @@ mod tests {
     #[test]
     fn sides_of_a_wall_stay_apart_and_points_without_normal_go() {
         let points = [(0.01, 1.0), (0.02, 1.0), (0.03, -1.0), (0.04, 0.0)]
-            .map(|(z, n)| (DVec3::new(0.0, 0.0, z), DVec3::Z * n, z, 0.0));
+            .map(|(z, n)| known(DVec3::new(0.0, 0.0, z), DVec3::Z * n, z));
         let cloud = thin(points.into_iter(), 1.0, &DMat3::IDENTITY, &|| Ok(())).unwrap();
         assert_eq!(cloud.points.len(), 2);
         let up = cloud.normals.iter().position(|n| n.z > 0.0).unwrap();

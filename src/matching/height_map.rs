@@ -5,6 +5,7 @@
 
 use super::blocks::{Lanes, Near, LANES};
 use super::cloud::Cloud;
+use crate::mesh::neighbourhood::NONE;
 use glam::{DMat3, DVec3};
 
 /// Bins along the radius.
@@ -26,6 +27,8 @@ pub struct HeightMap {
     pub height: [Row; RADII],
     /// A bit for each angle where something is known.
     pub known: [u64; RADII],
+    /// The holes whose completions it shows.
+    pub completions: Vec<u32>,
     /// Mean tint, if there are colours.
     pub tint: Option<Box<[Row; RADII]>>,
 }
@@ -117,13 +120,15 @@ struct Places {
 }
 
 impl HeightMap {
-    /// The map of the cloud's points in a ball around a frame's centre, out to `radius`.
-    pub fn new(cloud: &Cloud, near: &Near, frame: Frame, radius: f64) -> Self {
+    /// The map of the cloud's points in a ball around a frame's centre, out to `radius`; without those
+    /// of a hole's completion ([`NONE`]: with all).
+    pub fn new(cloud: &Cloud, near: &Near, frame: Frame, radius: f64, without: u32) -> Self {
         let mut map = Self {
             frame,
             roughness: 0.0,
             height: [[0.0; ANGLES]; RADII],
             known: [0; RADII],
+            completions: Vec::new(),
             tint: cloud.thinned.tints.as_ref().map(|_| Box::new([[0.0; ANGLES]; RADII])),
         };
         let mut counts = [[0.0; ANGLES]; RADII];
@@ -154,14 +159,19 @@ impl HeightMap {
                         & (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] <= ball);
                 }
                 for l in 0..LANES {
-                    if places.within[l] {
+                    let id = group.ids[l] as usize;
+                    let hole = cloud.thinned.completion.get(id).copied().unwrap_or(NONE);
+                    if places.within[l] && (hole == NONE || hole != without) {
+                        if hole != NONE && !map.completions.contains(&hole) {
+                            map.completions.push(hole);
+                        }
                         let (r, a) = (places.radius[l] as usize, angle_bin(places.turn[l]));
                         map.height[r][a] += places.height[l];
                         counts[r][a] += 1.0;
                         if let (Some(tint), Some(tints)) = (&mut map.tint, &cloud.thinned.tints) {
-                            tint[r][a] += tints[group.ids[l] as usize] as f32;
+                            tint[r][a] += tints[id] as f32;
                         }
-                        map.roughness += cloud.thinned.roughness[group.ids[l] as usize];
+                        map.roughness += cloud.thinned.roughness[id];
                         points += 1.0;
                     }
                 }
@@ -245,6 +255,6 @@ pub(super) mod tests {
     /// The map around a point.
     pub fn map_at(cloud: &Cloud, p: DVec3, n: DVec3, radius: f64) -> HeightMap {
         let near = cloud.blocks.near(p, 1.5 * radius);
-        HeightMap::new(cloud, &near, Frame::new(p, n, &cloud.axes), radius)
+        HeightMap::new(cloud, &near, Frame::new(p, n, &cloud.axes), radius, NONE)
     }
 }

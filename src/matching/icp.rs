@@ -218,7 +218,7 @@ pub fn find_partner(
         Partner::Vertex => {
             if !nearby {
                 let (v, d2) = source.points.nearest(p)?;
-                let usable = d2 <= radius * radius && !source.on_boundary[v as usize];
+                let usable = d2 <= radius * radius && !source.is_boundary(v);
                 *hint = if usable { Hint { found: v, of: p } } else { Hint::NOTHING };
             }
             let v = hint.found as usize;

@@ -401,6 +401,7 @@ pub fn keep_different(
 
 #[cfg(test)]
 mod tests {
+    use super::super::cloud::tests::known;
     use super::super::cloud::{thin, Cloud, Sample};
     use super::super::height_map::tests::map_at;
     use super::super::source::tests::{hills, hilly_source, some_transform};
@@ -412,7 +413,7 @@ mod tests {
         let side = |i: usize| 2.4 * i as f64 / n as f64 - 1.2;
         let points = (0..n * n).map(|k| {
             let (p, m) = hills(side(k % n), side(k / n));
-            (t.point(p), t.direction(m), 0.0, 0.0)
+            known(t.point(p), t.direction(m), 0.0)
         });
         cloud_of(points)
     }
@@ -472,7 +473,7 @@ mod tests {
             let side = |i: usize| 3.0 * i as f64 / n as f64 - 1.5;
             let points = (0..n * n).map(move |k| {
                 let (x, y) = (side(k % n), side(k / n));
-                (DVec3::new(x, y, slope * x + lift), DVec3::Z, 0.0, 0.0)
+                known(DVec3::new(x, y, slope * x + lift), DVec3::Z, 0.0)
             });
             cloud_of(points)
         };

@@ -340,7 +340,7 @@ mod tests {
     use super::*;
     use crate::descriptor::voting::voted_curvatures;
     use crate::matching::paint::Paint;
-    use crate::matching::source::PointTree;
+    use crate::matching::point_tree::PointTree;
     use crate::options::Appearance;
 
     const RADIUS: f64 = 0.3;
@@ -403,8 +403,8 @@ mod tests {
     #[test]
     fn colours_find_their_place_on_a_plane() {
         let mut source = hilly_source(60);
-        source.positions.iter_mut().for_each(|p| p.z = 0.0);
-        source.normals.fill(DVec3::Z);
+        source.edit().positions.iter_mut().for_each(|p| p.z = 0.0);
+        source.edit().normals.fill(DVec3::Z);
         let colour = |p: &DVec3| [p.x, p.y * p.y, (3.0 * p.x * p.y).sin()];
         let values = source.positions.iter().flat_map(colour).collect();
         let appearance =
@@ -412,7 +412,8 @@ mod tests {
         source = source.painted(&Paint::new(&appearance));
         let features = Features::new(&source, &vec![[0.0; 2]; source.positions.len()]);
         let ids = (0..source.positions.len() as u32).collect();
-        source.points = PointTree::new(&source.positions, ids, &|_| Ok(())).unwrap();
+        let points = PointTree::new(&source.positions, ids, &|_| Ok(())).unwrap();
+        source.edit().points = points;
         let centre = DVec3::new(0.5, 0.4, 0.0);
         let turn = DMat3::from_rotation_z(1.0);
         let truth = Rigid { linear: turn, translation: DVec3::new(1.0, 2.0, 0.0) };

@@ -6,8 +6,9 @@
 //! the others. A run that changes the scale much is given up: all points drawn together fit anywhere.
 
 use super::icp::{find_partner, normal_equations, worth, Hint, Pairing, Partner, RingPoint, KEEP};
+use super::point_tree::PointTree;
 use super::rigid::Rigid;
-use super::source::{PointTree, Source};
+use super::source::{Source, SourceMesh};
 use crate::error::Result;
 use crate::intersect::Bvh;
 use glam::{DMat3, DQuat, DVec3};
@@ -47,7 +48,7 @@ pub fn scaled(source: &Source, factor: f64, check: &dyn Fn() -> Result<()>) -> R
         paint.slopes.iter_mut().for_each(|s| *s /= factor);
         paint
     });
-    Ok(Source {
+    let mesh = SourceMesh {
         axes: source.axes,
         tree: Bvh::new_checked(&positions, &source.faces, check)?,
         points: PointTree::new(&positions, source.points.ids().to_vec(), &|_| check())?,
@@ -56,13 +57,17 @@ pub fn scaled(source: &Source, factor: f64, check: &dyn Fn() -> Result<()>) -> R
         faces: source.faces.clone(),
         face_ids: source.face_ids.clone(),
         on_boundary: source.on_boundary.clone(),
+        completion: source.completion.clone(),
+        known_vertices: source.known_vertices,
+        known_faces: source.known_faces,
         area: factor * factor * source.area,
         edge: factor * source.edge,
         roughness: source.roughness.clone(),
         shifts: source.shifts.iter().map(|&(face, by)| (face, factor * by)).collect(),
         lengths: source.lengths.iter().map(|l| factor * l).collect(),
         paint,
-    })
+    };
+    Ok(Source::of(mesh).for_hole(source.own))
 }
 
 /// Improves a similarity (source to target) to rounding; `with_scale`: its scale, too. `radius` bounds how

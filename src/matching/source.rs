@@ -3,19 +3,39 @@
 
 use super::axes::principal_axes;
 use super::paint::Paint;
+use super::point_tree::PointTree;
 use super::rigid::Rigid;
 use crate::error::Result;
 use crate::intersect::Bvh;
 use crate::mesh::boundary::find_boundary;
+use crate::mesh::neighbourhood::NONE;
 use crate::mesh::normals::vertex_normals_checked;
 use crate::mesh::MeshView;
 use crate::options::{Exemplar, Sources};
 use crate::progress::{Monitor, Pace};
 use glam::{DMat3, DVec3};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::ops::Deref;
+use std::sync::Arc;
 
-/// A mesh with normals and search trees: what is known of the object, or what may be copied from.
+/// A mesh with normals and search trees: what is known of the object, or what may be copied from; as one
+/// hole may use it.
+#[derive(Clone)]
 pub struct Source {
+    mesh: Arc<SourceMesh>,
+    /// The hole whose own completion is nothing to copy from; [`NONE`]: no hole's.
+    pub own: u32,
+}
+
+impl Deref for Source {
+    type Target = SourceMesh;
+
+    fn deref(&self) -> &SourceMesh {
+        &self.mesh
+    }
+}
+
+/// What all holes share of a source. Faces and vertices of completions come after all that is known.
+pub struct SourceMesh {
     /// Positions of all input vertices, in mesh units.
     pub positions: Vec<DVec3>,
     /// Unit normals, area-weighted; zero where there is no area.
@@ -24,8 +44,15 @@ pub struct Source {
     pub faces: Vec<[u32; 3]>,
     /// Input index of each of them.
     pub face_ids: Vec<u32>,
-    /// Whether a vertex lies on a boundary loop.
+    /// Whether a vertex lies on a boundary loop that has no completion.
     pub on_boundary: Vec<bool>,
+    /// The hole that each vertex is completed in, or on whose rim it lies; [`NONE`]: none. Empty without
+    /// completions.
+    pub completion: Vec<u32>,
+    /// Vertices that are no completion's.
+    pub known_vertices: usize,
+    /// Faces that are no completion's.
+    pub known_faces: usize,
     /// Tree over `faces`.
     pub tree: Bvh,
     /// Tree over the vertices that some face uses.
@@ -48,107 +75,6 @@ pub struct Source {
     pub shifts: Vec<(u32, DVec3)>,
 }
 
-/// A k-d tree over points that may be few or none; many are cut into pieces with a tree each, as the
-/// build of one cannot be stopped.
-pub struct PointTree {
-    pieces: Vec<Piece>,
-    ids: Vec<u32>,
-}
-
-struct Piece {
-    low: DVec3,
-    high: DVec3,
-    tree: ImmutableKdTree<f64, 3>,
-    /// Ascending.
-    ids: Vec<u32>,
-}
-
-/// Points of a piece at most: its tree takes some 30 milliseconds.
-const PIECE: usize = 1 << 15;
-
-impl Piece {
-    fn distance2(&self, p: DVec3) -> f64 {
-        p.distance_squared(p.clamp(self.low, self.high))
-    }
-
-    fn nearest(&self, p: DVec3) -> (u32, f64) {
-        let found = self.tree.nearest_one::<SquaredEuclidean>(&p.to_array());
-        (self.ids[found.item as usize], found.distance)
-    }
-}
-
-impl PointTree {
-    /// Over the points whose indices are given.
-    pub fn new(points: &[DVec3], ids: Vec<u32>, check: &dyn Fn(f64) -> Result<()>) -> Result<Self> {
-        let (mut pieces, mut done) = (Vec::new(), 0);
-        let mut whole = vec![ids.clone()];
-        while let Some(mut part) = whole.pop() {
-            check(done as f64 / ids.len().max(1) as f64)?;
-            let at = || part.iter().map(|&i| points[i as usize]);
-            let (low, high) =
-                at().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
-            if part.len() > PIECE {
-                let axis = (high - low).max_position();
-                let key = |i: &u32| points[*i as usize][axis];
-                let mid = part.len() / 2;
-                part.select_nth_unstable_by(mid, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-                whole.push(part.split_off(mid));
-                whole.push(part);
-            } else if !part.is_empty() {
-                part.sort_unstable();
-                let entries: Vec<[f64; 3]> =
-                    part.iter().map(|&i| points[i as usize].to_array()).collect();
-                let tree = ImmutableKdTree::new_from_slice(&entries);
-                done += part.len();
-                pieces.push(Piece { low, high, tree, ids: part });
-            }
-        }
-        Ok(Self { pieces, ids })
-    }
-
-    /// Over all points.
-    pub fn of_all(points: &[DVec3], check: &dyn Fn() -> Result<()>) -> Result<Self> {
-        Self::new(points, (0..points.len() as u32).collect(), &|_| check())
-    }
-
-    /// The nearest point's index and its squared distance.
-    pub fn nearest(&self, p: DVec3) -> Option<(u32, f64)> {
-        if let [piece] = &self.pieces[..] {
-            return Some(piece.nearest(p));
-        }
-        // The piece that the point is in or next to, then those that may hold a nearer one.
-        let off = |k: &usize| self.pieces[*k].distance2(p);
-        let first = (0..self.pieces.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        let mut best = self.pieces[first].nearest(p);
-        for k in (0..self.pieces.len()).filter(|&k| k != first) {
-            if off(&k) < best.1 {
-                let other = self.pieces[k].nearest(p);
-                if other.1 < best.1 {
-                    best = other;
-                }
-            }
-        }
-        Some(best)
-    }
-
-    /// The indices of the points, in ascending order.
-    pub fn ids(&self) -> &[u32] {
-        &self.ids
-    }
-
-    /// All points within a radius, in ascending order of their indices.
-    pub fn within(&self, p: DVec3, radius: f64) -> Vec<u32> {
-        let square = radius * radius;
-        let mut found = Vec::new();
-        for piece in self.pieces.iter().filter(|piece| piece.distance2(p) <= square) {
-            let near = piece.tree.within_unsorted::<SquaredEuclidean>(&p.to_array(), square);
-            found.extend(near.iter().map(|n| piece.ids[n.item as usize]));
-        }
-        found.sort_unstable();
-        found
-    }
-}
-
 impl Source {
     /// Copies the mesh and builds the trees: linear but for the trees' sorting. Asks `check` now and
     /// then whether to go on.
@@ -158,6 +84,39 @@ impl Source {
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Self> {
         Parts::of(mesh, boundary, &|_| true, &|| check(0.0))?.build(check)
+    }
+
+    /// A source without completions, or that no hole uses yet.
+    pub fn of(mesh: SourceMesh) -> Self {
+        Self { mesh: Arc::new(mesh), own: NONE }
+    }
+
+    /// To change it in a test.
+    #[cfg(test)]
+    pub(crate) fn edit(&mut self) -> &mut SourceMesh {
+        Arc::get_mut(&mut self.mesh).expect("nobody else has it")
+    }
+
+    /// The same as a hole may use it.
+    pub fn for_hole(&self, own: u32) -> Self {
+        Self { mesh: self.mesh.clone(), own }
+    }
+
+    /// A mesh with completions of some of its holes: faces from `known_faces` and vertices from
+    /// `known_vertices` on are theirs. `completion`: see [`SourceMesh::completion`].
+    pub fn completed(
+        mesh: MeshView<'_>,
+        boundary: impl Iterator<Item = u32>,
+        completion: Vec<u32>,
+        [known_vertices, known_faces]: [usize; 2],
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Self> {
+        let open = boundary.filter(|&v| completion[v as usize] == NONE);
+        let mut parts = Parts::of(mesh, open, &|_| true, &|| check(0.0))?;
+        let first = parts.face_ids.partition_point(|&f| (f as usize) < known_faces);
+        (parts.known_vertices, parts.known_faces) = (known_vertices, first);
+        parts.completion = completion;
+        parts.build(check)
     }
 
     /// What may be copied from of a mesh, with the exemplar if there is one: the exemplar's faces are
@@ -187,7 +146,9 @@ impl Source {
 
     /// With the colours of the mesh and its exemplar.
     pub fn painted(mut self, paint: &Option<Paint>) -> Self {
-        self.paint = paint.as_ref().map(|p| p.on(&self.positions, &self.faces));
+        if let Some(mesh) = Arc::get_mut(&mut self.mesh) {
+            mesh.paint = paint.as_ref().map(|p| p.on(&mesh.positions, &mesh.faces));
+        }
         self
     }
 
@@ -233,9 +194,26 @@ impl Source {
         }
     }
 
-    /// Whether a face has a vertex on a boundary loop.
+    /// Whether a vertex lies on a boundary loop, or is completed in the hole that this is for.
+    pub fn is_boundary(&self, v: u32) -> bool {
+        self.on_boundary[v as usize]
+            || self.own != NONE && self.completion.get(v as usize) == Some(&self.own)
+    }
+
+    /// Whether a face has such a vertex.
     pub fn touches_boundary(&self, face: u32) -> bool {
-        self.faces[face as usize].iter().any(|&v| self.on_boundary[v as usize])
+        self.faces[face as usize].iter().any(|&v| self.is_boundary(v))
+    }
+
+    /// Whether a face is a completion's.
+    pub fn is_completion(&self, face: u32) -> bool {
+        face as usize >= self.known_faces
+    }
+
+    /// Whether it is that of the hole that this is for.
+    pub fn is_own(&self, face: u32) -> bool {
+        self.is_completion(face)
+            && self.completion[self.faces[face as usize][0] as usize] == self.own
     }
 }
 
@@ -251,6 +229,9 @@ struct Parts {
     faces: Vec<[u32; 3]>,
     face_ids: Vec<u32>,
     shifts: Vec<(u32, DVec3)>,
+    completion: Vec<u32>,
+    known_vertices: usize,
+    known_faces: usize,
 }
 
 impl Parts {
@@ -281,7 +262,18 @@ impl Parts {
         }
         let mut on_boundary = vec![false; n];
         boundary.for_each(|v| on_boundary[v as usize] = true);
-        Ok(Self { positions, normals, on_boundary, faces, face_ids, shifts: Vec::new() })
+        let (shifts, completion, all) = (Vec::new(), Vec::new(), usize::MAX);
+        Ok(Self {
+            positions,
+            normals,
+            on_boundary,
+            faces,
+            face_ids,
+            shifts,
+            completion,
+            known_vertices: all,
+            known_faces: all,
+        })
     }
 
     fn append(&mut self, other: Self, first_face: usize) {
@@ -316,7 +308,7 @@ impl Parts {
     }
 
     fn build(self, check: &dyn Fn(f64) -> Result<()>) -> Result<Source> {
-        let Self { positions, normals, on_boundary, faces, face_ids, shifts } = self;
+        let Self { positions, normals, on_boundary, faces, face_ids, shifts, .. } = self;
         let mut used = vec![false; positions.len()];
         let (mut area, mut length) = (0.0, 0.0);
         let stop = || check(0.1);
@@ -331,7 +323,10 @@ impl Parts {
         let ids = (0..positions.len() as u32).filter(|&v| used[v as usize]).collect();
         let edge = length / (3 * faces.len().max(1)) as f64;
         let (roughness, lengths) = edge_means(&positions, &normals, &faces, edge, &|| check(0.15))?;
-        Ok(Source {
+        Ok(Source::of(SourceMesh {
+            completion: self.completion,
+            known_vertices: self.known_vertices,
+            known_faces: self.known_faces,
             paint: None,
             shifts,
             roughness,
@@ -346,7 +341,7 @@ impl Parts {
             faces,
             face_ids,
             on_boundary,
-        })
+        }))
     }
 }
 
@@ -428,29 +423,6 @@ pub(crate) mod tests {
         Source::new(MeshView::new(&vertices[..], &faces[..]), border, &|_| Ok(())).unwrap()
     }
 
-    /// More points than a piece holds: what is found is what a look at all of them finds.
-    #[test]
-    fn a_tree_in_pieces_finds_the_nearest_of_all() {
-        let noise = |k: usize, s: usize| ((k * s) % 100_003) as f64 / 100_003.0;
-        let at = |k: usize| DVec3::new(noise(k, 7919), noise(k, 104_729), noise(k, 31_337));
-        let points: Vec<DVec3> = (0..3 * PIECE + 5).map(at).collect();
-        let tree = PointTree::of_all(&points, &|| Ok(())).unwrap();
-        assert!(tree.pieces.len() > 3);
-        for k in 0..40 {
-            let p = 1.4 * at(k * 997 + 1) - DVec3::splat(0.2);
-            let off = |i: &usize| points[*i].distance_squared(p);
-            let nearest = (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
-            let (found, square) = tree.nearest(p).unwrap();
-            assert_eq!((points[found as usize], square), (points[nearest], off(&nearest)));
-            let radius = 0.05 + off(&nearest).sqrt();
-            let within: Vec<u32> =
-                (0..points.len()).filter(|i| off(i) <= radius * radius).map(|i| i as u32).collect();
-            assert_eq!(tree.within(p, radius), within);
-        }
-        let stop = || Err(crate::error::Error::Cancelled);
-        assert!(PointTree::of_all(&points, &stop).is_err());
-    }
-
     #[test]
     fn a_source_knows_its_surface() {
         let source = hilly_source(60);
@@ -491,24 +463,5 @@ pub(crate) mod tests {
         assert_eq!(source.area, 1.0);
         assert!(!source.touches_boundary(0) && source.touches_boundary(1));
         assert!(source.roughness.iter().all(|&r| r == 0.0), "flat");
-    }
-
-    #[test]
-    fn point_trees_answer_as_a_list_does() {
-        let points: Vec<DVec3> = (0..200)
-            .map(|i| DVec3::new((i * 37 % 101) as f64, (i * 53 % 89) as f64, (i % 7) as f64))
-            .collect();
-        let even: Vec<u32> = (0..200).step_by(2).collect();
-        let tree = PointTree::new(&points, even.clone(), &|_| Ok(())).unwrap();
-        for q in &points {
-            let d = |i: &u32| points[*i as usize].distance_squared(*q + 0.3);
-            let nearest = even.iter().map(d).fold(f64::INFINITY, f64::min);
-            let (found, distance) = tree.nearest(*q + 0.3).unwrap();
-            assert!((d(&found) - nearest).abs() < 1e-9 && (distance - nearest).abs() < 1e-9);
-            let near: Vec<u32> = even.iter().copied().filter(|i| d(i) < 400.0).collect();
-            assert_eq!(tree.within(*q + 0.3, 20.0), near);
-        }
-        let none = PointTree::of_all(&[], &|| Ok(())).unwrap();
-        assert!(none.nearest(DVec3::ZERO).is_none() && none.within(DVec3::ZERO, 1e9).is_empty());
     }
 }

@@ -92,9 +92,9 @@ fn meet(domain: &Domain, source: &Source, back: &Rigid, v: usize, copy: &mut Cop
     let direction = back.direction(domain.directions[v]);
     // A reflection turns the corners' order around, not the outward normal.
     let facing = FACING * size_change(back);
-    let accept = |_: u32, t: &[DVec3; 3]| {
+    let accept = |face: u32, t: &[DVec3; 3]| {
         let n = (t[1] - t[0]).cross(t[2] - t[0]);
-        n.dot(direction) > facing * n.length()
+        n.dot(direction) > facing * n.length() && !source.is_own(face)
     };
     let reach = REACH * domain.radius;
     let Some((face, height)) = source.tree.meet_line(origin, direction, reach, accept) else {

@@ -9,8 +9,9 @@ use super::fragments::Pasted;
 use crate::fill::patch::Patch;
 use crate::fill::refine::{collapse_edges, flip_pass, Taken};
 use crate::intersect::{closest_point_on_triangle, Bvh};
+use crate::matching::point_tree::PointTree;
 use crate::matching::rigid::Rigid;
-use crate::matching::source::{PointTree, Source};
+use crate::matching::source::Source;
 use glam::DVec3;
 use std::collections::BTreeMap;
 

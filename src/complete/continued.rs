@@ -1,0 +1,305 @@
+//! Holes filled one by one: smoothly, or with a part that was missing, and by the methods that copy continued
+//! from there, when all smooth fills are there to copy from.
+
+use super::check::Obstacles;
+use super::coherent::{self, Cost, Search};
+use super::harary::Initial;
+use super::library::Library;
+use super::pulled::pull_fill;
+use super::smooth::{fill_hole, Fill, Surroundings};
+use super::together::initial_of;
+use super::{warp, workers, Completer, Outcome};
+use crate::error::Result;
+use crate::fill::patch::Patch;
+use crate::holes::Hole;
+use crate::mesh::neighbourhood::Bounds;
+use crate::options::{Appearance, Method, Options, Sources};
+use crate::parallel::thread_count;
+use crate::progress::Monitor;
+use glam::DVec3;
+use std::cell::Cell;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// The part of a copied fill's time in which its initial completion is made.
+const SMOOTH_SHARE: f64 = 0.03;
+
+/// What a call works on.
+pub(super) struct Call<'c> {
+    /// The surroundings of all holes.
+    pub around: &'c Surroundings<'c>,
+    /// How far those of each hole reach.
+    pub boxes: &'c [Bounds],
+    /// The holes, with the points that each fill shall go through.
+    pub holes: &'c [(&'c Hole, &'c [DVec3])],
+    /// What the caller wishes.
+    pub options: &'c Options,
+}
+
+impl Call<'_> {
+    /// Whether fills are continued from a library, one by one.
+    fn copies(&self) -> bool {
+        let copies = matches!(self.options.method, Method::Coherent | Method::Warp);
+        copies && !self.options.guidance.part
+    }
+}
+
+/// What a library was made from.
+pub(super) struct Key {
+    sources: Sources,
+    appearance: Option<Arc<Appearance>>,
+    fills: Vec<(u32, Patch)>,
+}
+
+impl Key {
+    fn is(
+        &self,
+        sources: &Sources,
+        appearance: &Option<Arc<Appearance>>,
+        fills: &[(u32, Initial<'_>)],
+    ) -> bool {
+        let same_values = match (&self.appearance, appearance) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let same = |(own, other): (&(u32, Patch), &(u32, Initial<'_>))| {
+            let same_shape = own.1.positions == other.1.patch.positions;
+            own.0 == other.0 && same_shape && own.1.triangles == other.1.patch.triangles
+        };
+        let same_fills = self.fills.len() == fills.len() && self.fills.iter().zip(fills).all(same);
+        same_values && same_fills && self.sources == *sources
+    }
+}
+
+/// A hole that has a smooth fill.
+struct Begun {
+    /// The fill, or why there is none.
+    fill: std::result::Result<Fill, String>,
+    /// The one without options, where that is another: sources are looked for from it.
+    standard: Option<Fill>,
+    seconds: f64,
+}
+
+impl Begun {
+    /// The fill that others may copy from.
+    fn source(&self) -> Option<&Fill> {
+        self.standard.as_ref().or(self.fill.as_ref().ok())
+    }
+
+    /// What its completion costs, about.
+    fn cost(&self) -> f64 {
+        let new = |fill: &Fill| fill.patch.positions.len() - fill.patch.rim_count;
+        Cost::of(self.fill.as_ref().map_or(0, new), f64::INFINITY).all()
+    }
+
+    /// As it is.
+    fn end(self) -> Outcome {
+        let seconds = self.seconds;
+        self.fill.map(|f| (f, seconds)).map_err(|why| (why, seconds))
+    }
+}
+
+impl Completer<'_> {
+    /// Fills all holes of a call, and returns what they were continued from.
+    pub(super) fn fill_all(
+        &self,
+        call: &Call<'_>,
+        (monitor, span): (&Monitor, workers::Span),
+    ) -> Result<(Vec<Outcome>, Option<Arc<Library>>)> {
+        let (count, threads) = (call.holes.len(), call.options.threads);
+        let obstacles = Obstacles { mesh: self.mesh, covered: call.boxes, others: &[] };
+        // The smooth fills are there early; most of the time comes after them.
+        let share = if call.copies() { SMOOTH_SHARE } else { 1.0 };
+        let middle = span.0 + (span.1 - span.0) * share;
+        let first = (monitor, (span.0, middle));
+        let inside = workers::threads_inside(count, threads);
+        let begun = workers::run(&vec![1.0; count], threads, first, &|i, check| {
+            self.begin(call, &obstacles, i, inside, check)
+        })?;
+        if !call.copies() {
+            return Ok((begun.into_iter().map(Begun::end).collect(), None));
+        }
+        let costs: Vec<f64> = begun.iter().map(Begun::cost).collect();
+        let making = Cost::of_library(self.mesh.vertices.len());
+        let made = middle + (span.1 - middle) * making / (making + costs.iter().sum::<f64>());
+        let check = |part: f64| monitor.step(middle + (made - middle) * part, "looking around");
+        let library = self.library_of(call, &begun, &check)?;
+        // Each is taken once.
+        let begun: Vec<_> = begun.into_iter().map(|b| Mutex::new(Some(b))).collect();
+        let outcomes = workers::run(&costs, threads, (monitor, (made, span.1)), &|i, check| {
+            let taken = begun[i].lock().unwrap_or_else(PoisonError::into_inner).take();
+            let again = || self.begin(call, &obstacles, i, inside, &|_| check(0.0));
+            let begun = taken.map_or_else(again, Ok)?;
+            self.end(call, &obstacles, i, begun, &library, inside, check)
+        })?;
+        Ok((outcomes, Some(library)))
+    }
+
+    /// Fills hole `i` of a call from the first to the last step.
+    pub(super) fn fill_one(
+        &self,
+        call: &Call<'_>,
+        obstacles: &Obstacles<'_>,
+        i: usize,
+        library: Option<&Library>,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Outcome> {
+        let threads = thread_count(call.options.threads);
+        let begun = self.begin(call, obstacles, i, threads, check)?;
+        match library {
+            Some(library) => self.end(call, obstacles, i, begun, library, threads, check),
+            None => Ok(begun.end()),
+        }
+    }
+
+    /// Fills a hole smoothly or with a part that was missing.
+    fn begin(
+        &self,
+        call: &Call<'_>,
+        obstacles: &Obstacles<'_>,
+        i: usize,
+        threads: usize,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Begun> {
+        let clock = Instant::now();
+        let &Call { around, options, holes, .. } = call;
+        let (hole, points) = holes[i];
+        let local = |&v: &u32| around.near.local(v);
+        let loops: Option<Vec<Vec<u32>>> = hole
+            .loops
+            .iter()
+            .map(|&l| self.holes.loops[l].vertices.iter().map(local).collect())
+            .collect();
+        // The neighbourhood holds every face that touches the rim's box.
+        let Some(loops) = loops else {
+            let fill = Err("its rim was not found again".into());
+            return Ok(Begun { fill, standard: None, seconds: 0.0 });
+        };
+        let mut fill = match around.initial {
+            _ if options.guidance.part => {
+                self.fill_with_part(around, obstacles, (hole, &loops), options, threads, check)?
+            }
+            Some(initial) => initial.fill_hole(around, &loops, obstacles, check)?,
+            None => fill_hole(around, &loops, obstacles, check)?,
+        };
+        if let Ok(smooth) = &mut fill {
+            let drawn = (points, options.guidance.softness);
+            if let Err(why) = pull_fill(around, obstacles, smooth, drawn, check)? {
+                fill = Err(why);
+            }
+        }
+        // Sources are looked for from the same fill whatever the options: what was found is kept.
+        let own = around.initial.is_some() || around.is_standard();
+        let own = own || options.method == Method::Warp || !call.copies();
+        let standard = match &fill {
+            Ok(fill) if !own && around.is_near_standard(fill.outline.mean_size()) => {
+                fill_hole(&around.standard(), &loops, obstacles, check)?.ok()
+            }
+            _ => None,
+        };
+        Ok(Begun { fill, standard, seconds: clock.elapsed().as_secs_f64() })
+    }
+
+    /// Continues a fill that was begun, from a library that all holes share.
+    #[allow(clippy::too_many_arguments)]
+    fn end(
+        &self,
+        call: &Call<'_>,
+        obstacles: &Obstacles<'_>,
+        i: usize,
+        begun: Begun,
+        library: &Library,
+        threads: usize,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Outcome> {
+        let clock = Instant::now();
+        let &Call { around, options, holes, .. } = call;
+        let Begun { mut fill, standard, seconds } = begun;
+        if let Ok(smooth) = &mut fill {
+            let (guidance, candidates) = (&options.guidance, &Cell::new(0));
+            let (library, from) = (&library.for_hole(i as u32), standard.as_ref());
+            let search = Search { library, from, guidance, candidates, threads };
+            self.continue_fill(around, obstacles, smooth, options.method, &search, check)?;
+            smooth.candidates = candidates.get();
+            // What was copied does not know of the points; a smooth fill went through them already.
+            if smooth.method != Method::Smooth {
+                let drawn = (holes[i].1, guidance.softness);
+                if let Err(why) = pull_fill(around, obstacles, smooth, drawn, &|_| check(1.0))? {
+                    fill = Err(why);
+                }
+            }
+        }
+        let seconds = seconds + clock.elapsed().as_secs_f64();
+        Ok(fill.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
+    }
+
+    /// A smooth fill continued from what the object shows; it stands where nothing on the object serves
+    /// or the result meets something.
+    fn continue_fill(
+        &self,
+        around: &Surroundings<'_>,
+        obstacles: &Obstacles<'_>,
+        fill: &mut Fill,
+        method: Method,
+        search: &Search<'_>,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<()> {
+        let made = match method {
+            Method::Warp => warp::complete_hole(around, fill, search, check)?,
+            _ => coherent::complete_hole(around, fill, search, check)?,
+        };
+        let Some((patch, story)) = made else { return Ok(()) };
+        if let Ok(patch) = obstacles.settle(around, patch, &|| check(1.0))? {
+            fill.coherence_error = story.coherence_error;
+            (fill.patch, fill.story, fill.method) = (patch, Some(story), method);
+        }
+        Ok(())
+    }
+
+    /// What the holes that were begun are continued from.
+    fn library_of(
+        &self,
+        call: &Call<'_>,
+        begun: &[Begun],
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Arc<Library>> {
+        let Options { sources, appearance, method, .. } = call.options;
+        // Completions have no colours that could steer.
+        let steered = appearance.as_ref().is_some_and(|a| a.steering > 0);
+        let whole = sources.faces.is_none() && sources.exemplar.is_none();
+        let shared = whole && !steered && *method == Method::Coherent;
+        let fills = begun.iter().enumerate().filter(|_| shared);
+        let fills =
+            fills.filter_map(|(i, b)| Some((i as u32, initial_of(call.around, b.source()?))));
+        self.library(call.options, &fills.collect::<Vec<_>>(), check)
+    }
+
+    /// What completions copy from, kept until other sources are asked for. `fills`: smooth ones of several
+    /// holes, that others may copy from; fewer than two say nothing to each other.
+    pub(super) fn library(
+        &self,
+        options: &Options,
+        fills: &[(u32, Initial<'_>)],
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Arc<Library>> {
+        let fills = if fills.len() > 1 { fills } else { &[] };
+        let (sources, appearance) = (&options.sources, &options.appearance);
+        let key = || Key {
+            sources: sources.clone(),
+            appearance: appearance.clone(),
+            fills: fills.iter().map(|f| (f.0, f.1.patch.clone())).collect(),
+        };
+        let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, library)) = kept.as_ref().filter(|k| k.0.is(sources, appearance, fills)) {
+            return Ok(library.clone());
+        }
+        let rims = self.rims();
+        let library = match fills.is_empty() {
+            true => Library::new(self.mesh, &rims, sources, appearance.as_deref(), check)?,
+            false => Library::completed(self.mesh, &rims, fills, !sources.unmirrored, check)?,
+        };
+        let library = Arc::new(library);
+        *kept = Some((key(), library.clone()));
+        Ok(library)
+    }
+}
