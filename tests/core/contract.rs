@@ -239,7 +239,11 @@ fn a_lone_face_without_area_is_no_panic() {
     for fairing in Fairing::ALL {
         let options = Options { fairing, method: Method::Smooth, ..Options::default() };
         match complete_mesh(mesh.view().vertices, mesh.view().faces, &options) {
-            Ok(made) => check(&mesh.vertices, &mesh.faces, &made, &[]).unwrap(),
+            Ok(made) => {
+                let list =
+                    find_holes(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
+                check(&mesh.vertices, &mesh.faces, &made, &filled_rims(&made, &list)).unwrap();
+            }
             Err(error) => assert!(matches!(error, Error::HoleFailed { hole: 0, .. }), "{error}"),
         }
     }
