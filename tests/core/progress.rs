@@ -49,7 +49,7 @@ fn never_falls_whatever_the_method_the_holes_and_the_threads() {
     for method in METHODS {
         let counts: Vec<usize> = match method {
             Method::Smooth => (1..=14).collect(),
-            _ => vec![1, 3, 4, 9, 13],
+            _ => vec![1, 9, 13],
         };
         for holes in counts {
             let mesh = with_holes(holes);
