@@ -20,7 +20,7 @@ use crate::mesh::neighbourhood::NONE;
 use crate::mesh::MeshView;
 use crate::options::{Appearance, Sources};
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What is made once a mesh and kept: what is known, what may be copied from, and its maps by scale.
 #[derive(Clone)]
@@ -51,7 +51,7 @@ pub struct Kept {
     /// The same by [`crate::Method::Warp`].
     pub warped: Searches<Arc<Vec<Rigid>>>,
     features: Mutex<Option<Arc<Described>>>,
-    symmetries: OnceLock<Arc<Vec<Rigid>>>,
+    symmetries: Mutex<BTreeMap<i32, Arc<Vec<Rigid>>>>,
 }
 
 /// What signatures are taken of: all that is known, and what was chosen of it and of exemplars.
@@ -148,8 +148,7 @@ impl Library {
         let symmetries = match self.chosen {
             Some(_) => Arc::default(),
             None => {
-                let find = || Arc::new(symmetries(&self.known, self.mirrored));
-                self.kept.symmetries.get_or_init(find).clone()
+                once(&self.kept.symmetries, 0, || symmetries(&self.known, self.mirrored, check))?
             }
         };
         let make = || {

@@ -98,7 +98,8 @@ const POINT: usize = 8;
 /// Numbers sorted without a look at the wish to cancel: two milliseconds.
 const SORTED_AT_ONCE: usize = 1 << 15;
 
-fn vertex_samples(source: &Source) -> impl Iterator<Item = Sample> + Clone + '_ {
+/// The vertices of a source.
+pub fn vertex_samples(source: &Source) -> impl Iterator<Item = Sample> + Clone + '_ {
     source.points.ids().iter().map(|&v| {
         let i = v as usize;
         Sample {

@@ -70,8 +70,8 @@ pub struct RingPattern {
     bins: [Vec<Bin>; 2],
     /// Where the bins of each radius begin, and the end.
     rows: [usize; RADII + 1],
-    /// Sums over the bins as it is, with d the target's heights.
-    sums: Sums,
+    /// The widths of the ring that are compared, ascending.
+    widths: Vec<Width>,
     /// Bins from the centre out that a source must have something in.
     inner: usize,
     /// Radius of the map, in mesh units.
@@ -82,6 +82,15 @@ pub struct RingPattern {
     tints: Vec<f32>,
     /// What a difference of 1 in tint is worth, in mesh units.
     paint: f64,
+}
+
+/// A width of the ring.
+struct Width {
+    /// Radii and bins within it.
+    rows: usize,
+    bins: usize,
+    /// Sums over the bins as they are, with d the target's heights.
+    sums: Sums,
 }
 
 /// A place on the source whose surroundings look like the ring.
@@ -96,10 +105,16 @@ pub struct Candidate {
 }
 
 impl RingPattern {
-    /// From the map of the known points; bins that hold a point of the fill are unknown. Only bins
-    /// nearer than `reach` (mesh units) are compared.
+    /// From the map of the known points; bins that hold a point of the fill are unknown. Bins nearer than
+    /// each of `reaches` (mesh units, ascending) are compared, with those of the nearer ones once for all.
     /// `paint`: what a difference of 1 in tint is worth, in mesh units.
-    pub fn new(known: &HeightMap, fill: &[DVec3], radius: f64, reach: f64, paint: f64) -> Self {
+    pub fn new(
+        known: &HeightMap,
+        fill: &[DVec3],
+        radius: f64,
+        reaches: &[f64],
+        paint: f64,
+    ) -> Self {
         let frame = known.frame;
         let mut filled = [[false; ANGLES]; RADII];
         let mut inner = 0;
@@ -110,11 +125,19 @@ impl RingPattern {
             }
         }
         let step = radius / RADII as f64;
-        let last = ((reach / step).ceil() as usize).min(RADII);
+        let lasts: Vec<usize> =
+            reaches.iter().map(|reach| ((reach / step).ceil() as usize).min(RADII)).collect();
+        let mut widths = Vec::with_capacity(reaches.len());
         let (mut bins, mut sums) = ([Vec::new(), Vec::new()], Sums::default());
         let mut rows = [0; RADII + 1];
         let mut tints = Vec::new();
-        for r in 0..last {
+        for r in 0..=lasts.last().copied().unwrap_or(0) {
+            while lasts.get(widths.len()) == Some(&r) {
+                widths.push(Width { rows: r, bins: bins[0].len(), sums });
+            }
+            if lasts.len() == widths.len() {
+                break;
+            }
             for a in (0..ANGLES).filter(|&a| known.knows(r, a) && !filled[r][a]) {
                 let turn = (a as f64 + 0.5) / ANGLES as f64 * std::f64::consts::TAU;
                 let at = (r as f64 + 0.5) * step;
@@ -130,16 +153,18 @@ impl RingPattern {
             }
             rows[r + 1..].fill(bins[0].len());
         }
-        Self { tints, paint, frame, bins, rows, sums, inner, radius, roughness: known.roughness }
+        let roughness = known.roughness;
+        Self { tints, paint, frame, bins, rows, widths, inner, radius, roughness }
     }
 
     /// Whether there is enough to compare with.
     pub fn is_useful(&self) -> bool {
-        self.bins[0].len() > ANGLES
+        self.widths.iter().any(Width::is_useful)
     }
 
-    /// The best turns of one source map, as it is and (if wanted) mirrored, added to `found`.
-    pub fn compare(&self, map: &HeightMap, mirror: bool, found: &mut Vec<Candidate>) {
+    /// The best turns of one source map, as it is and (if wanted) mirrored, added to those found for each
+    /// width.
+    pub fn compare(&self, map: &HeightMap, mirror: bool, found: &mut [Vec<Candidate>]) {
         if map.coverage_inside(self.inner) < COVER {
             return;
         }
@@ -147,69 +172,83 @@ impl RingPattern {
         let doubled = Doubled::new(map);
         for mirrored in [false, true].into_iter().take(1 + usize::from(mirror)) {
             let bins = &self.bins[usize::from(mirrored)];
-            let all = self.correlate(bins, &doubled);
-            let tints = doubled.tint.as_deref().map(|t| self.compare_tints(bins, t));
-            let mut best: Vec<(f64, usize, DVec3)> = (0..ANGLES)
-                .filter_map(|turn| {
-                    let (cost, plane) = self.cost(&all[turn])?;
-                    let cost = match &tints {
-                        Some(tints) => {
-                            cost.hypot(self.paint * (f64::from(tints[turn]) / all[turn].n).sqrt())
-                        }
-                        None => cost,
-                    };
-                    Some((cost, turn, plane))
-                })
-                .collect();
-            best.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let mut kept: Vec<usize> = Vec::new();
-            for (cost, turn, plane) in best {
-                let near = |t: &usize| {
-                    let d = t.abs_diff(turn);
-                    d.min(ANGLES - d) < SAME_TURN
-                };
-                if kept.iter().any(near) {
-                    continue;
+            let mut so_far = SoFar::default();
+            let (mut rows, mut first) = (0, 0);
+            for (width, found) in self.widths.iter().zip(found.iter_mut()) {
+                let more = &bins[first..width.bins];
+                so_far.add_heights(more, &doubled.height);
+                self.add_missing(&mut so_far, bins, rows..width.rows, &doubled.known);
+                if let Some(tint) = &doubled.tint {
+                    so_far.add_tints(more, &self.tints[first..], tint);
                 }
-                kept.push(turn);
-                let transform = self.transform(map, turn, mirrored, plane);
-                found.push(Candidate { transform, cost: cost * bland, bland });
-                if kept.len() == TURNS_KEPT {
-                    break;
+                (rows, first) = (width.rows, width.bins);
+                if width.is_useful() {
+                    self.keep_best(
+                        width,
+                        &so_far,
+                        doubled.tint.is_some(),
+                        &mut |turn, plane, cost| {
+                            let transform = self.transform(map, turn, mirrored, plane);
+                            found.push(Candidate { transform, cost: cost * bland, bland });
+                        },
+                    );
                 }
             }
         }
     }
 
-    /// The sums at all turns.
-    fn correlate(&self, bins: &[Bin], map: &Doubled) -> [Sums; ANGLES] {
-        let mut with_height = [[0f32; TURNS]; 5];
-        pulp::Arch::new().dispatch(|| {
-            for turn in (0..TURNS).step_by(LANES) {
-                let sums = sum_heights(bins, &map.height, turn);
-                (0..5).for_each(|m| with_height[m][turn..turn + LANES].copy_from_slice(&sums[m]));
-            }
-        });
-        let missing = self.sum_missing(bins, &map.known);
-        std::array::from_fn(|turn| {
-            let target = match &missing {
-                Some(missing) => self.sums.without(&missing[turn]),
-                None => self.sums,
+    /// Tells `keep` the best turns of a width, with the plane and the cost.
+    fn keep_best(
+        &self,
+        width: &Width,
+        so_far: &SoFar,
+        painted: bool,
+        keep: &mut dyn FnMut(usize, DVec3, f64),
+    ) {
+        let mut best: Vec<(f64, usize, DVec3)> = (0..ANGLES)
+            .filter_map(|turn| {
+                let sums = so_far.at(turn, &width.sums);
+                let (mut cost, plane) = self.cost(&sums, width.bins)?;
+                if painted {
+                    let off = f64::from(so_far.tints[turn]) / sums.n;
+                    cost = cost.hypot(self.paint * off.sqrt());
+                }
+                Some((cost, turn, plane))
+            })
+            .collect();
+        best.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut kept: Vec<usize> = Vec::new();
+        for (cost, turn, plane) in best {
+            let near = |t: &usize| {
+                let d = t.abs_diff(turn);
+                d.min(ANGLES - d) < SAME_TURN
             };
-            target.less(std::array::from_fn(|m| f64::from(with_height[m][turn])))
-        })
+            if kept.iter().any(near) {
+                continue;
+            }
+            kept.push(turn);
+            keep(turn, plane, cost);
+            if kept.len() == TURNS_KEPT {
+                break;
+            }
+        }
     }
 
-    /// The moments at each turn of the bins that the source does not know; `None` if it knows all. Few
-    /// are: sums over those that it knows would cost more than all else.
-    fn sum_missing(&self, bins: &[Bin], known: &[u64; RADII]) -> Option<[Moments; ANGLES]> {
-        let mut missing: Option<[Moments; ANGLES]> = None;
-        for r in (0..RADII).filter(|&r| known[r] != WHOLE) {
+    /// The moments at each turn of the bins of some radii that the source does not know. Few are: sums over
+    /// those that it knows would cost more than all else.
+    fn add_missing(
+        &self,
+        so_far: &mut SoFar,
+        bins: &[Bin],
+        radii: std::ops::Range<usize>,
+        known: &[u64; RADII],
+    ) {
+        for r in radii.filter(|&r| known[r] != WHOLE) {
             let row = &bins[self.rows[r]..self.rows[r + 1]];
             if row.is_empty() {
                 continue;
             }
-            let missing = missing.get_or_insert([[0.0; MOMENTS]; ANGLES]);
+            let missing = so_far.missing.get_or_insert([[0.0; MOMENTS]; ANGLES]);
             for a in (0..ANGLES).filter(|&a| known[r] >> a & 1 == 0) {
                 for b in row {
                     let turn = if a < b.a { a + ANGLES - b.a } else { a - b.a };
@@ -218,24 +257,11 @@ impl RingPattern {
                 }
             }
         }
-        missing
     }
 
-    /// Σ (tint of the target − of the source)² at all turns.
-    fn compare_tints(&self, bins: &[Bin], [tint, known]: &[Twice; 2]) -> [f32; ANGLES] {
-        let mut sums = [0f32; ANGLES];
-        for (b, &t) in bins.iter().zip(&self.tints) {
-            let (row, seen) = (&tint[b.r][b.a..][..ANGLES], &known[b.r][b.a..][..ANGLES]);
-            for (s, (x, k)) in sums.iter_mut().zip(row.iter().zip(seen)) {
-                *s += k * (t - x) * (t - x);
-            }
-        }
-        sums
-    }
-
-    /// Cost of the sums, and the plane taken out.
-    fn cost(&self, s: &Sums) -> Option<(f64, DVec3)> {
-        let covered = s.n / self.bins[0].len() as f64;
+    /// Cost of the sums over so many bins, and the plane taken out.
+    fn cost(&self, s: &Sums, bins: usize) -> Option<(f64, DVec3)> {
+        let covered = s.n / bins as f64;
         if covered < COVER {
             return None;
         }
@@ -265,6 +291,59 @@ impl RingPattern {
         let linear = self.frame.axes * tilt * in_plane * map.frame.axes.transpose();
         let to = self.frame.centre + plane.x * self.frame.axes.z_axis;
         Rigid { linear, translation: to - linear * map.frame.centre }
+    }
+}
+
+impl Width {
+    fn is_useful(&self) -> bool {
+        self.bins > ANGLES
+    }
+}
+
+/// Sums at all turns over the bins looked at, from the centre out.
+struct SoFar {
+    /// Of source height times weight, x, y and target height, and of its square.
+    with_height: [[f32; TURNS]; 5],
+    /// Of the target's moments where the source knows nothing.
+    missing: Option<[Moments; ANGLES]>,
+    /// Of (tint of the target − of the source)².
+    tints: [f32; ANGLES],
+}
+
+impl Default for SoFar {
+    fn default() -> Self {
+        Self { with_height: [[0.0; TURNS]; 5], missing: None, tints: [0.0; ANGLES] }
+    }
+}
+
+impl SoFar {
+    fn add_heights(&mut self, bins: &[Bin], height: &Twice) {
+        let with_height = &mut self.with_height;
+        pulp::Arch::new().dispatch(|| {
+            for turn in (0..TURNS).step_by(LANES) {
+                let mut sums = [0, 1, 2, 3, 4].map(|m| lanes(&with_height[m], turn));
+                sum_heights(&mut sums, bins, height, turn);
+                (0..5).for_each(|m| with_height[m][turn..turn + LANES].copy_from_slice(&sums[m]));
+            }
+        });
+    }
+
+    fn add_tints(&mut self, bins: &[Bin], tints: &[f32], [tint, known]: &[Twice; 2]) {
+        for (b, &t) in bins.iter().zip(tints) {
+            let (row, seen) = (&tint[b.r][b.a..][..ANGLES], &known[b.r][b.a..][..ANGLES]);
+            for (s, (x, k)) in self.tints.iter_mut().zip(row.iter().zip(seen)) {
+                *s += k * (t - x) * (t - x);
+            }
+        }
+    }
+
+    /// At one turn, from those over the target's bins.
+    fn at(&self, turn: usize, target: &Sums) -> Sums {
+        let target = match &self.missing {
+            Some(missing) => target.without(&missing[turn]),
+            None => *target,
+        };
+        target.less(std::array::from_fn(|m| f64::from(self.with_height[m][turn])))
     }
 }
 
@@ -338,11 +417,9 @@ fn twice(rows: &[Row; RADII]) -> Twice {
     all
 }
 
-/// Of some turns the sums over the bins of source height times weight, x, y and target height, and of
-/// its square.
+/// Adds to the sums of some turns, see [`SoFar::with_height`].
 #[inline(always)]
-fn sum_heights(bins: &[Bin], height: &Twice, turn: usize) -> [Lanes; 5] {
-    let mut sums = [[0f32; LANES]; 5];
+fn sum_heights(sums: &mut [Lanes; 5], bins: &[Bin], height: &Twice, turn: usize) {
     for b in bins {
         let h = lanes(&height[b.r], b.a + turn);
         for l in 0..LANES {
@@ -353,7 +430,6 @@ fn sum_heights(bins: &[Bin], height: &Twice, turn: usize) -> [Lanes; 5] {
             sums[4][l] += h[l] * h[l];
         }
     }
-    sums
 }
 
 #[inline(always)]
@@ -447,10 +523,11 @@ mod tests {
                 .copied()
                 .filter(|p| p.distance(centre) < 0.35)
                 .collect();
-            let pattern = RingPattern::new(&known, &hole, radius, radius, 0.0);
+            let pattern = RingPattern::new(&known, &hole, radius, &[radius], 0.0);
             assert!(pattern.is_useful());
-            let mut found = Vec::new();
+            let mut found = [Vec::new()];
             places.iter().for_each(|m| pattern.compare(m, true, &mut found));
+            let [found] = found;
             let best = keep_different(found, centre, 0.4, 0.6, 20);
             assert!(best.is_sorted_by(|a, b| a.cost <= b.cost));
             let found = best[0].transform;
@@ -478,9 +555,10 @@ mod tests {
             cloud_of(points)
         };
         let map = |cloud: &Cloud| map_at(cloud, DVec3::ZERO, DVec3::Z, 1.0);
-        let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, 1.0, 0.0);
-        let mut found = Vec::new();
+        let pattern = RingPattern::new(&map(&level(0.0, 0.0)), &[DVec3::X * 0.1], 1.0, &[1.0], 0.0);
+        let mut found = [Vec::new()];
         pattern.compare(&map(&level(0.3, 0.1)), true, &mut found);
+        let [found] = found;
         assert!(!found.is_empty());
         for c in &found {
             assert!(c.cost < 0.01, "{}", c.cost);
@@ -489,9 +567,9 @@ mod tests {
             assert!(up.dot(DVec3::Z) > 0.999, "{up}");
         }
         // Steeper than what counts as the same place.
-        let mut steep = Vec::new();
+        let mut steep = [Vec::new()];
         pattern.compare(&map(&level(0.9, 0.0)), true, &mut steep);
-        assert!(steep.is_empty());
+        assert!(steep[0].is_empty());
     }
 
     #[test]

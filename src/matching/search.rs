@@ -361,10 +361,9 @@ fn search_maps(
 ) -> Result<Vec<Vec<Candidate>>> {
     let reach = REACH * maps.radius;
     let Some(widths) = efforts.first().map(|e| e.widths) else { return Ok(Vec::new()) };
-    // Pattern p is width p % widths of target p / widths.
     let patterns: Vec<RingPattern> = targets
         .iter()
-        .flat_map(|target| {
+        .map(|target| {
             let frame = Frame::new(target.centre, target.normal, &maps.known.axes);
             let around = maps.known.blocks.near(target.centre, 1.5 * reach);
             let mut known = HeightMap::new(&maps.known, &around, frame, reach, own);
@@ -375,12 +374,9 @@ fn search_maps(
             if target.loose != Loose::default() {
                 known.forget(reach, &|p| target.loose.beyond(p));
             }
-            let ring = |w: &f64| {
-                let width = (1.0 + w) * target.radius;
-                let paint = target.emphasis * maps.paint;
-                RingPattern::new(&known, target.fill, reach, width, paint)
-            };
-            widths.iter().map(ring).collect::<Vec<_>>()
+            let reaches: Vec<f64> = widths.iter().map(|w| (1.0 + w) * target.radius).collect();
+            let paint = target.emphasis * maps.paint;
+            RingPattern::new(&known, target.fill, reach, &reaches, paint)
         })
         .collect();
     let chosen: Vec<Vec<u32>> =
@@ -389,12 +385,12 @@ fn search_maps(
         chosen.iter().map(|ids| ids.iter().map(|_| Kept::new()).collect()).collect();
     let jobs: Vec<(usize, usize)> = (0..patterns.len())
         .filter(|&p| patterns[p].is_useful())
-        .flat_map(|p| (0..chosen[p / widths.len()].len()).step_by(BATCH).map(move |b| (p, b)))
+        .flat_map(|p| (0..chosen[p].len()).step_by(BATCH).map(move |b| (p, b)))
         .collect();
     let one = |job: usize| {
         let (p, start) = jobs[job];
-        let (ids, kept) = (&chosen[p / widths.len()], &kept[p / widths.len()]);
-        let mut found = Vec::new();
+        let (ids, kept) = (&chosen[p], &kept[p]);
+        let mut found = vec![Vec::new(); widths.len()];
         for i in start..ids.len().min(start + BATCH) {
             if let Some(map) = maps.map(ids[i] as usize, (own, &kept[i])) {
                 patterns[p].compare(map, maps.mirrored, &mut found);
@@ -403,14 +399,17 @@ fn search_maps(
         found
     };
     let results = parallel::map_part(jobs.len(), threads, check, &one)?;
-    let mut by_pattern: Vec<Vec<Candidate>> = vec![Vec::new(); patterns.len()];
-    jobs.iter().zip(results).for_each(|(job, found)| by_pattern[job.0].extend(found));
-    let best = |(p, found): (usize, Vec<Candidate>)| {
-        let target = &targets[p / widths.len()];
-        keep_different(found, target.centre, target.radius, 0.6, efforts[p / widths.len()].kept)
+    // Of each target by width.
+    let mut all = vec![vec![Vec::new(); widths.len()]; targets.len()];
+    for (&(p, _), found) in jobs.iter().zip(results) {
+        all[p].iter_mut().zip(found).for_each(|(of_width, found)| of_width.extend(found));
+    }
+    let best = |(p, by_width): (usize, Vec<Vec<Candidate>>)| {
+        let Target { centre, radius, .. } = targets[p];
+        let keep = |found| keep_different(found, centre, radius, 0.6, efforts[p].kept);
+        by_width.into_iter().flat_map(keep).collect()
     };
-    let kept: Vec<Vec<Candidate>> = by_pattern.into_iter().enumerate().map(best).collect();
-    Ok(kept.chunks(widths.len()).map(|c| c.concat()).collect())
+    Ok(all.into_iter().enumerate().map(best).collect())
 }
 
 /// Known points up to `width` radii from the hole, on the target's side.

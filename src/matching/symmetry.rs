@@ -5,14 +5,15 @@
 //! Differences from the paper: only the reflections and half turns about the principal axes are tried, each
 //! improved by ICP; no voting. What repeats in part is found by the search for places.
 
+use super::cloud::{thin, vertex_samples};
 use super::icp::{align, Pairing, Partner, RingPoint};
 use super::rigid::Rigid;
-use super::search::thin_ring;
 use super::source::Source;
+use crate::error::Result;
 use glam::{DMat3, DVec3};
 
-/// Points of the object that are laid onto it.
-const POINTS: usize = 600;
+/// Points of the object that are laid onto it, about.
+const POINTS: f64 = 400.0;
 /// Iterations of the ICP.
 const STEPS: usize = 20;
 /// Farthest that a partner may lie, in spreads of the points: limbs are seldom held alike.
@@ -21,13 +22,17 @@ const REACH: f64 = 0.25;
 const KEEP: f64 = 0.7;
 
 /// Transforms of a source onto itself that may be symmetries of it: nothing is said of how exact they are.
-pub fn symmetries(source: &Source, mirrored: bool) -> Vec<Rigid> {
-    let ids = source.points.ids();
-    let point = |&v: &u32| (source.positions[v as usize], source.normals[v as usize], 0.0);
-    let all: Vec<RingPoint> = ids.iter().map(point).filter(|p| p.1 != DVec3::ZERO).collect();
-    let points = thin_ring(&all, POINTS, &source.axes);
+pub fn symmetries(
+    source: &Source,
+    mirrored: bool,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Vec<Rigid>> {
+    let spacing = (source.area / POINTS).sqrt();
+    let thinned = thin(vertex_samples(source), spacing, &source.axes, check)?;
+    let points: Vec<RingPoint> =
+        thinned.points.into_iter().zip(thinned.normals).map(|(p, n)| (p, n, 0.0)).collect();
     if points.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let n = points.len() as f64;
     let middle = points.iter().map(|p| p.0).sum::<DVec3>() / n;
@@ -39,7 +44,8 @@ pub fn symmetries(source: &Source, mirrored: bool) -> Vec<Rigid> {
         .map(|signs| {
             let linear = source.axes * DMat3::from_diagonal(signs) * source.axes.transpose();
             let start = Rigid { linear, translation: middle - linear * middle };
-            align(&points, start, STEPS, &pairing)
+            check()?;
+            Ok(align(&points, start, STEPS, &pairing))
         })
         .collect()
 }
@@ -90,11 +96,11 @@ mod tests {
             places.map(|&p| t.point(p).distance(truth.point(p))).fold(0.0, f64::max)
         };
         let best = |all: &[Rigid]| all.iter().map(off).fold(f64::INFINITY, f64::min);
-        let found = symmetries(&source, true);
+        let found = symmetries(&source, true, &|| Ok(())).unwrap();
         println!("{:.4} edges", best(&found) / source.edge);
         assert_eq!(found.len(), 6);
         assert!(best(&found) < 0.1 * source.edge);
-        let turns = symmetries(&source, false);
+        let turns = symmetries(&source, false, &|| Ok(())).unwrap();
         assert!(turns.len() == 3 && turns.iter().all(|t| !t.is_mirrored()));
     }
 }
