@@ -244,23 +244,17 @@ impl FacePlaces {
         let grid = Grid::of(&[Bounds::of(
             (0..near.positions.len() as u32).map(|v| near.positions.get(v)),
         )]);
-        // The cell of a box's corner is the least, or greatest, of those of what is in it.
-        let cells: Vec<[u8; 3]> =
-            (0..near.positions.len() as u32).map(|v| grid.cell(near.positions.get(v))).collect();
-        let range = |face: &[u32; 3]| {
-            let [a, b, c] = face.map(|v| cells[v as usize]);
-            let of = |pick: fn(u8, u8) -> u8| [0, 1, 2].map(|d| pick(pick(a[d], b[d]), c[d]));
-            (of(u8::min), of(u8::max))
-        };
+        let cells: Vec<_> =
+            (0..near.faces.len() as u32).map(|f| grid.range(&near.face_box(f))).collect();
         let mut start = vec![0u32; grid.full.len() + 1];
-        near.faces.iter().for_each(|f| grid.visit(&range(f), |i| start[i + 1] += 1));
+        cells.iter().for_each(|c| grid.visit(c, |i| start[i + 1] += 1));
         for i in 1..start.len() {
             start[i] += start[i - 1];
         }
         let mut next = start.clone();
         let mut faces = vec![0; start[start.len() - 1] as usize];
-        for (f, face) in near.faces.iter().enumerate() {
-            grid.visit(&range(face), |i| {
+        for (f, range) in cells.iter().enumerate() {
+            grid.visit(range, |i| {
                 faces[next[i] as usize] = f as u32;
                 next[i] += 1;
             });
