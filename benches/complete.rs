@@ -35,7 +35,6 @@ fn broken(sample: Sample, kind: Break, resolution: usize) -> SampleMesh {
 
 fn fill(c: &mut Criterion) {
     let mut group = c.benchmark_group("fill");
-    group.sample_size(20).measurement_time(Duration::from_secs(4));
     // One thread: criterion measures wall time, and a second thread would hide work.
     let options = Options { threads: 1, method: Method::Smooth, ..Options::default() };
     for (sample, kind) in CASES {
@@ -63,8 +62,6 @@ fn fill(c: &mut Criterion) {
 /// of one thread, which other programs hardly change.
 fn appearance(c: &mut Criterion) {
     let mut group = c.benchmark_group("appearance");
-    group.sample_size(10).warm_up_time(Duration::from_millis(500));
-    group.measurement_time(Duration::from_secs(8));
     for (kind, resolution) in [(Break::Disc, 100), (Break::Several, 190)] {
         let mesh = broken(Sample::Vessel, kind, resolution);
         let paint = Sample::Vessel.paint(&mesh.vertices).expect("the vessel is painted");
@@ -97,7 +94,6 @@ fn appearance(c: &mut Criterion) {
 
 fn search(c: &mut Criterion) {
     let mut group = c.benchmark_group("find_holes");
-    group.sample_size(20).measurement_time(Duration::from_secs(4));
     let mesh = broken(Sample::Column, Break::Several, LARGE);
     group.throughput(Throughput::Elements(mesh.faces.len() as u64));
     group.bench_function(BenchmarkId::new("column several", LARGE), |b| {
@@ -106,5 +102,15 @@ fn search(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, fill, appearance, search);
-criterion_main!(benches);
+// As configuration, not in the groups, where the command line could not change it.
+criterion_group! {
+    name = quick;
+    config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(4));
+    targets = fill, search
+}
+criterion_group! {
+    name = slow;
+    config = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(8));
+    targets = appearance
+}
+criterion_main!(quick, slow);

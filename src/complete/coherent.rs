@@ -118,7 +118,7 @@ pub fn domain_of(
     extent: Extent,
 ) -> Option<Domain> {
     let (rim, edge) = (&fill.outline.vertices, fill.outline.mean_size());
-    let domain = Domain::new(patch, around.near, around.incidence, rim, edge, extent);
+    let domain = Domain::new(patch, around.near, &around.incidence.get(), rim, edge, extent);
     domain.map(|d| d.painted(&library.known.paint, around.near))
 }
 

@@ -37,7 +37,7 @@ impl<'a> InitialFaces<'a> {
         obstacles: &Obstacles<'_>,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<std::result::Result<Fill, String>> {
-        let outline = Outline::new(around.near, around.incidence, loops);
+        let outline = Outline::new(around.near, &around.incidence.get(), loops);
         let patch = match self.patch(around, &outline) {
             Ok(patch) => patch,
             Err(why) => return Ok(Err(format!("its initial completion {why}"))),

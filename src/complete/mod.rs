@@ -21,7 +21,7 @@ mod warp;
 mod workers;
 
 use crate::error::{Error, Result};
-use crate::fill::sheet::Incidence;
+use crate::fill::sheet::Incidences;
 use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
@@ -189,7 +189,7 @@ impl<'a> Completer<'a> {
         let boxes: Vec<Bounds> = todo.iter().map(|h| self.reach(h)).collect();
         let mut near = Neighbourhood::gather(self.mesh, &boxes, monitor)?;
         near.loose = self.loose(&near, &options.guidance.loose)?;
-        let incidence = Incidence::new(&near);
+        let incidence = Incidences::new(&near);
         let single = self.mesh.vertices.is_single();
         let initial = options.initial.as_ref().map(|i| InitialFaces::new(i, vertices));
         let places = FacePlaces::new(&near, todo.len());

@@ -51,7 +51,8 @@ pub fn pull_fill(
     }
     let drawn = |patch: &Patch| -> Option<Vec<DVec3>> {
         let (rim, edge) = (&fill.outline.vertices, fill.outline.mean_size());
-        let domain = Domain::new(patch, around.near, around.incidence, rim, edge, Extent::Whole)?;
+        let incidence = around.incidence.get();
+        let domain = Domain::new(patch, around.near, &incidence, rim, edge, Extent::Whole)?;
         pull(patch, &domain, points, softness)
     };
     let none = || "the points given inside it are too many for its vertices".to_owned();

@@ -15,7 +15,7 @@ use crate::fill::outline::Outline;
 use crate::fill::patch::Patch;
 use crate::fill::polygon::join_loops;
 use crate::fill::refine::{refine, split_taken};
-use crate::fill::sheet::{Band, Incidence, Sheet};
+use crate::fill::sheet::{Band, Incidences, Sheet};
 use crate::fill::triangulate::{triangulate, ALL_PAIRS};
 use crate::mesh::neighbourhood::{FacePlaces, Neighbourhood};
 use crate::options::{Fairing, Method, Sizing};
@@ -58,7 +58,7 @@ pub struct Surroundings<'a> {
     /// The mesh near the holes.
     pub near: &'a Neighbourhood,
     /// Its faces by vertex.
-    pub incidence: &'a Incidence,
+    pub incidence: &'a Incidences<'a>,
     /// Its faces by place.
     pub places: &'a FacePlaces,
     /// The caller's choice of surface.
@@ -155,7 +155,7 @@ pub fn fill_hole(
     obstacles: &Obstacles<'_>,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Fill, String>> {
-    let mut outline = Outline::new(around.near, around.incidence, loops);
+    let mut outline = Outline::new(around.near, &around.incidence.get(), loops);
     match around.sizing {
         Sizing::Scaled(f) => outline.sizes.iter_mut().for_each(|s| *s *= f),
         Sizing::EdgeLength(l) => outline.sizes.fill(l),
@@ -183,7 +183,7 @@ pub fn fill_hole(
     let mut ready = Some(search(0)?);
     // What would be larger than much of the mesh is not begun before a look at what comes next.
     if let (Some(Some(first)), Some(&second)) = (&ready, rounds.get(1)) {
-        if is_vast(around, &outline, first) {
+        if asks_for(around, &outline, first.area()) > around.input_vertices as f64 / VAST {
             let next = search(second)?;
             if next.as_ref().is_some_and(|next| next.area() < DETOUR * first.area()) {
                 ready = Some(next);
@@ -207,7 +207,8 @@ pub fn fill_hole(
             };
             check(0.95)?;
             match made {
-                Ok(patch) => {
+                Ok(mut patch) => {
+                    patch.offsets = vec![DVec3::ZERO; patch.positions.len()];
                     // The blend is a thin plate with a share of curvature.
                     let fairing = if attempt == Fairing::Auto { Fairing::C1 } else { attempt };
                     let (method, coherence_error, story) = (Method::Smooth, None, None);
@@ -228,12 +229,18 @@ pub fn fill_hole(
     Ok(Err(reason))
 }
 
-/// Whether a triangulation asks for more new vertices than an eighth of the mesh has: what its attempts
-/// take in room and time is then no longer small.
-fn is_vast(around: &Surroundings<'_>, outline: &Outline, first: &Patch) -> bool {
+/// A fill that has more new vertices than one for so many of the input is begun after a look at what else
+/// there is: what its attempts take in room and time is no longer small.
+const VAST: f64 = 8.0;
+
+/// New vertices that a fill of some area asks for, about; 0 where the caller chose their size. A vertex of
+/// an equilateral net has √3/2 square edges to itself, one of a refined patch somewhat less.
+fn asks_for(around: &Surroundings<'_>, outline: &Outline, area: f64) -> f64 {
     let edge = outline.mean_size();
-    around.sizing == Sizing::Surroundings
-        && first.area() > 0.75 * edge * edge * around.input_vertices as f64 / 8.0
+    match around.sizing {
+        Sizing::Surroundings => area / (0.75 * edge * edge),
+        _ => 0.0,
+    }
 }
 
 /// A triangulation with less than this share of another's area is tried before it: around a vessel's
@@ -304,7 +311,7 @@ fn make(
     if around.fairing == Fairing::Auto && matches!(refined, Refined::Not) {
         *refined = Refined::Patch(patch.clone());
     }
-    let band = band_for(around, outline, plate);
+    let band = band_for(around, outline, patch.area(), plate);
     for pass in 0..2 {
         check(0.3 + 0.3 * f64::from(pass))?;
         let sheet = Sheet::new(&patch, &band, around.near);
@@ -330,7 +337,7 @@ fn approach(
     plate: Plate,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Patch, String>> {
-    let band = &band_for(around, outline, plate);
+    let band = &band_for(around, outline, patch.area(), plate);
     let mut coarse = HALF;
     while count as f64 > coarse * coarse * most_at_once(around, plate) as f64 {
         coarse *= 2.0;
@@ -376,14 +383,13 @@ fn descend(
             return Ok(Err(TOO_MANY.into()));
         }
         check(0.6)?;
-        let sheet = Sheet::new(&patch, band, around.near);
-        let start = (rim..patch.positions.len()).map(|v| patch.positions[v] - patch.offsets[v]);
-        let Some(moved) = fair_from(sheet, start, plate, edge, most) else {
+        let mut sheet = Sheet::take(&mut patch, band, around.near);
+        if fair_from(&mut sheet, &patch.offsets, plate, most).is_none() {
             return Ok(Err(NO_FACTOR.into()));
-        };
-        place(&mut patch, &moved);
-        for (p, offset) in patch.positions.iter_mut().zip(&patch.offsets).skip(rim) {
-            *p += *offset;
+        }
+        sheet.give_back(&mut patch);
+        for v in rim..patch.positions.len() {
+            patch.positions[v] += patch.offsets.get(v).copied().unwrap_or_default();
         }
         if coarse <= 1.0 {
             return Ok(Ok(patch));
@@ -398,7 +404,7 @@ fn auto(
     mut patch: Patch,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Patch, String>> {
-    let (near, incidence) = (around.near, around.incidence);
+    let near = around.near;
     let edge = outline.mean_size();
     let radius = outline.radius();
     let coarse = match radius / edge {
@@ -415,17 +421,19 @@ fn auto(
     check(0.3)?;
     let rings = (HIDDEN_SHARE * radius / edge).round() as usize;
     let hidden = rings.min(MOST_HIDDEN / outline.vertices.len().max(1)).max(1);
-    let band = Band::grow(near, incidence, &outline.vertices, hidden + 2);
+    let band = band_of(around, outline, patch.area(), hidden + 2);
     let sheet = Sheet::new(&patch, &band, near);
+    drop(band);
     let Some(prediction) = predict_hidden(sheet, hidden, edge) else {
         return Ok(Err(NO_FACTOR.into()));
     };
     check(0.5)?;
     place(&mut patch, &prediction.positions);
-    let band = Band::grow(near, incidence, &outline.vertices, 2);
+    let band = band_of(around, outline, patch.area(), 2);
     if prediction.share > 0.0 {
         let sheet = Sheet::new(&patch, &band, near);
         if let Some([thin, curved]) = fair_both(&sheet) {
+            patch.offsets = vec![DVec3::ZERO; patch.positions.len()];
             let rim = patch.rim_count;
             for (i, (a, b)) in thin.iter().zip(&curved).enumerate() {
                 patch.positions[rim + i] = a.lerp(*b, prediction.share);
@@ -439,7 +447,7 @@ fn auto(
     // In full the curvature is worth a solution of its own.
     let whole = prediction.share == 1.0;
     if whole {
-        patch.offsets.fill(DVec3::ZERO);
+        patch.offsets = Vec::new();
     }
     let plate = if whole { Plate::Triharmonic } else { Plate::Thin };
     descend(around, outline, patch, coarse, plate, &band, check)
@@ -467,8 +475,18 @@ fn plate_of(fairing: Fairing, outline: &Outline) -> Option<Plate> {
     }
 }
 
-fn band_for(around: &Surroundings<'_>, outline: &Outline, plate: Plate) -> Band {
+/// The known surface that a plate needs around a fill of some area.
+fn band_for(around: &Surroundings<'_>, outline: &Outline, area: f64, plate: Plate) -> Band {
     let soft = (SOFT_BAND * outline.radius() / outline.mean_size()).ceil().max(3.0) as usize;
     let rings = plate.rings() + if plate.is_soft() { soft } else { 0 };
-    Band::grow(around.near, around.incidence, &outline.vertices, rings)
+    band_of(around, outline, area, rings)
+}
+
+fn band_of(around: &Surroundings<'_>, outline: &Outline, area: f64, rings: usize) -> Band {
+    let band = Band::grow(around.near, &around.incidence.get(), &outline.vertices, rings);
+    // Its factor needs the room, and making them again is nothing beside it.
+    if asks_for(around, outline, area) * ROOM as f64 > around.input_vertices as f64 {
+        around.incidence.forget();
+    }
+    band
 }

@@ -118,7 +118,10 @@ pub fn beside<T: Send>(
 ) -> Result<T> {
     let inner = Monitor::silent();
     let done = AtomicUsize::new(0);
-    let report = |part: f64| done.store((1e6 * part) as usize, Ordering::Relaxed);
+    // What starts anew must not turn the progress back, and all of it is the span and not more.
+    let report = |part: f64| {
+        done.fetch_max((1e6 * part.min(1.0)) as usize, Ordering::Relaxed);
+    };
     std::thread::scope(|scope| {
         let (send, receive) = mpsc::channel();
         let (inner, report) = (&inner, &report);

@@ -14,7 +14,7 @@
 
 use super::blocks::solve_by_blocks;
 use super::sheet::{Laplacian, Sheet, Weights};
-use super::solve::System;
+use super::solve::{grow, System};
 use glam::DVec3;
 
 /// Length over which the residual at the rim fades, in wanted edge lengths: two edges are just
@@ -51,29 +51,28 @@ impl Plate {
     }
 }
 
-/// [`fair`], where the new vertices lie near the solution already, at `start`: with more than
-/// `most_at_once` of them the system is solved by blocks.
-/// Weights and masses are those of the sheet as it is.
+/// Moves the new vertices of a sheet that lie near the solution already, but for `offsets` (of all the
+/// patch's vertices, or empty): with more than `most_at_once` of them the system is solved by blocks. For
+/// plates with a fixed rim. Weights and masses are those of the sheet as it is.
 pub fn fair_from(
-    mut sheet: Sheet,
-    start: impl Iterator<Item = DVec3>,
+    sheet: &mut Sheet,
+    offsets: &[DVec3],
     plate: Plate,
-    edge: f64,
     most_at_once: usize,
-) -> Option<Vec<DVec3>> {
+) -> Option<()> {
     let new = sheet.rim_count..sheet.patch_count;
-    if plate.is_soft() || new.len() <= most_at_once {
-        return fair(sheet, plate, edge);
-    }
     let l = Laplacian::new(&sheet.positions, &sheet.triangles, Weights::Cotangent);
-    sheet.triangles = Vec::new();
-    sheet.positions[new.clone()].iter_mut().zip(start).for_each(|(p, s)| *p = s);
-    solve_by_blocks(&mut sheet, &l, &|sheet, number, free| {
-        assemble(plate, sheet, &l, number, free)
-    })?;
-    sheet.positions.truncate(new.end);
-    sheet.positions.drain(..new.start);
-    Some(sheet.positions)
+    if new.len() <= most_at_once {
+        let (number, free) = number_unknowns(sheet, |v| sheet.is_new(v));
+        let system = assemble(plate, sheet, &l, &number, &free);
+        drop((l, number, free));
+        sheet.positions[new].copy_from_slice(&system.solve()?);
+        return Some(());
+    }
+    for v in new.filter(|&v| v < offsets.len()) {
+        sheet.positions[v] -= offsets[v];
+    }
+    solve_by_blocks(sheet, &l, &|sheet, number, free| assemble(plate, sheet, &l, number, free))
 }
 
 /// New positions of the patch's new vertices; `None` if the system is not positive definite.
@@ -359,6 +358,7 @@ impl Rows {
                     add_row(j, -w);
                 }
                 add_row(i, diagonal);
+                grow(&mut rows.columns, &mut rows.values, used.len(), count);
                 for &k in &used {
                     rows.columns.push(k);
                     rows.values.push(std::mem::replace(&mut sum[k as usize], f64::NAN));

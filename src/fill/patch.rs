@@ -17,7 +17,7 @@ pub struct Patch {
     pub positions: Vec<DVec3>,
     /// Wanted edge length at each vertex, in mesh units.
     pub sizes: Vec<f64>,
-    /// A displacement carried along while the patch is refined, in mesh units.
+    /// A displacement carried along while the patch is refined, in mesh units; empty: none is.
     pub offsets: Vec<DVec3>,
     /// How many vertices belong to the rim.
     pub rim_count: usize,
@@ -208,7 +208,9 @@ impl Patch {
         let m = self.positions.len() as u32;
         self.positions.push(position);
         self.sizes.push(0.5 * (self.sizes[a as usize] + self.sizes[b as usize]));
-        self.offsets.push(0.5 * (self.offsets[a as usize] + self.offsets[b as usize]));
+        if !self.offsets.is_empty() {
+            self.offsets.push(0.5 * (self.offsets[a as usize] + self.offsets[b as usize]));
+        }
         let (t2, n2) = (self.triangles.len() as u32, self.triangles.len() as u32 + 1);
         self.relink(bc, t, t2, b, c);
         self.relink(db, n, n2, d, b);
@@ -233,9 +235,11 @@ impl Patch {
         let [ab, bc, ca] = self.across[t as usize];
         let m = self.positions.len() as u32;
         let third = |x: &[f64]| (x[a as usize] + x[b as usize] + x[c as usize]) / 3.0;
-        let offset: DVec3 = [a, b, c].iter().map(|&v| self.offsets[v as usize]).sum();
         self.sizes.push(third(&self.sizes));
-        self.offsets.push(offset / 3.0);
+        if !self.offsets.is_empty() {
+            let offset: DVec3 = [a, b, c].iter().map(|&v| self.offsets[v as usize]).sum();
+            self.offsets.push(offset / 3.0);
+        }
         self.positions.push(position);
         let (t2, t3) = (self.triangles.len() as u32, self.triangles.len() as u32 + 1);
         self.relink(bc, t, t2, b, c);
@@ -280,6 +284,23 @@ impl Patch {
         self.at[v as usize] = alive(alive(vc, cu), alive(ud, dv));
     }
 
+    /// Makes room for a number of splits. Growing by itself each array may get twice the room it needs.
+    pub fn reserve(&mut self, splits: usize) {
+        self.positions.reserve_exact(splits);
+        self.sizes.reserve_exact(splits);
+        if !self.offsets.is_empty() {
+            self.offsets.reserve_exact(splits);
+        }
+        self.at.reserve_exact(splits);
+        self.triangles.reserve_exact(2 * splits);
+        self.across.reserve_exact(2 * splits);
+    }
+
+    /// How many vertices were removed and still have their places.
+    pub fn gone(&self) -> usize {
+        self.at[self.rim_count..].iter().filter(|&&t| t == NONE).count()
+    }
+
     /// Drops removed triangles and vertices; rim vertices keep their numbers.
     pub fn compact(&mut self) {
         let mut tri_number = vec![NONE; self.triangles.len()];
@@ -301,7 +322,9 @@ impl Patch {
                 vertex_number[v] = count;
                 self.positions[count as usize] = self.positions[v];
                 self.sizes[count as usize] = self.sizes[v];
-                self.offsets[count as usize] = self.offsets[v];
+                if !self.offsets.is_empty() {
+                    self.offsets[count as usize] = self.offsets[v];
+                }
                 self.at[count as usize] = self.at[v];
                 count += 1;
             }

@@ -20,6 +20,9 @@ const FLIP_PASSES: usize = 12;
 /// Least cosine between the two faces after a flip (20°), unless it was worse before. A coarse
 /// triangulation's folds are its shape: Delaunay flips across them turn a ridge into a pit.
 const FLIP_BEND: f64 = 0.94;
+/// Removed vertices are dropped between two rounds when there is more than one for so many: less is not
+/// worth the pass.
+const MOST_GONE: usize = 8;
 /// New vertices of one hole at most: 2³¹ indices are shared by all; beyond this the wanted length
 /// is surely a mistake.
 const MOST_VERTICES: usize = 40_000_000;
@@ -38,6 +41,10 @@ pub fn refine(
 ) -> Result<bool> {
     let mut looks = Looks::default();
     for round in 0..rounds {
+        // What is gone keeps its place in all arrays, and more is gone each round.
+        if round > 0 && patch.gone() * MOST_GONE > patch.positions.len() {
+            patch.compact();
+        }
         let changed = split_long(patch, &mut looks, pace)?;
         flip_to_delaunay(patch, taken, &mut looks, pace)?;
         if patch.positions.len() > MOST_VERTICES {
@@ -77,6 +84,10 @@ impl Looks {
             self.changed.resize(patch.triangles.len(), self.clock);
             self.seen.resize(patch.triangles.len(), 0);
         }
+    }
+    fn reserve(&mut self, triangles: usize) {
+        self.changed.reserve_exact(triangles);
+        self.seen.reserve_exact(triangles);
     }
     fn change(&mut self, triangles: impl IntoIterator<Item = u32>) {
         self.clock += 1;
@@ -124,6 +135,8 @@ fn split_long(patch: &mut Patch, looks: &mut Looks, pace: &mut Pace<'_>) -> Resu
         }
         any = true;
         long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        patch.reserve(long.len());
+        looks.reserve(2 * long.len());
         for (ratio, t, k) in long {
             // An earlier split may have changed this triangle.
             let n = patch.across[t as usize][k];

@@ -1,14 +1,19 @@
 //! A fill together with the known surface around it, and the cotangent Laplacian on both.
 
 use super::patch::Patch;
+use super::solve::grow;
 use crate::mesh::neighbourhood::{Neighbourhood, NONE};
 use glam::DVec3;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Least and greatest weight of an edge: near-degenerate triangles, of which scans are full,
 /// would else let one edge decide everything (a bi-Laplacian without the clamp explodes).
 const WEIGHT_RANGE: (f64, f64) = (0.01, 3.0);
 /// Least mass of a vertex, in median masses, for the same reason.
 const LEAST_MASS: f64 = 0.5;
+/// Triangles whose cotangents are kept while a Laplacian is made, 32 bytes each: of more they are computed
+/// anew at each corner, since they would be a third of the room.
+const MOST_KEPT: usize = 1 << 13;
 
 /// Faces at each vertex of a mesh, as one array with row starts.
 pub struct Incidence {
@@ -43,6 +48,31 @@ impl Incidence {
     /// The faces at vertex `v`.
     pub fn faces(&self, v: u32) -> &[u32] {
         &self.faces[self.start[v as usize] as usize..self.start[v as usize + 1] as usize]
+    }
+}
+
+/// The faces at each vertex of a neighbourhood, made when asked for. They are a third of what it takes:
+/// a fill that needs the room forgets them, and who asks again has them made again.
+pub struct Incidences<'a> {
+    near: &'a Neighbourhood,
+    made: Mutex<Option<Arc<Incidence>>>,
+}
+
+impl<'a> Incidences<'a> {
+    /// Of a neighbourhood; none made yet.
+    pub fn new(near: &'a Neighbourhood) -> Self {
+        Self { near, made: Mutex::default() }
+    }
+
+    /// The faces at each vertex.
+    pub fn get(&self) -> Arc<Incidence> {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        made.get_or_insert_with(|| Arc::new(Incidence::new(self.near))).clone()
+    }
+
+    /// Drops them as soon as nobody uses them.
+    pub fn forget(&self) {
+        *self.made.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 }
 
@@ -112,14 +142,41 @@ pub struct Sheet {
 impl Sheet {
     /// Puts a patch and the band around its rim together.
     pub fn new(patch: &Patch, band: &Band, near: &Neighbourhood) -> Self {
-        let (rim, new) = (patch.rim_count, patch.positions.len() - patch.rim_count);
         // Exactly what is needed: growing takes twice that.
+        let new = patch.positions.len() - patch.rim_count;
         let mut positions = Vec::with_capacity(new + band.vertices.len());
         positions.extend_from_slice(&patch.positions);
-        positions.extend(band.vertices[rim..].iter().map(|&v| near.positions.get(v)));
-        let number = |v: u32| if (v as usize) < rim { v } else { v + new as u32 };
         let mut triangles = Vec::with_capacity(patch.triangles.len() + band.faces.len());
         triangles.extend_from_slice(&patch.triangles);
+        Self::extend((positions, triangles), patch.rim_count, band, near)
+    }
+
+    /// The same with the patch's own positions and triangles, which it has back by [`Self::give_back`]: a
+    /// large fill has no room for a second copy.
+    pub fn take(patch: &mut Patch, band: &Band, near: &Neighbourhood) -> Self {
+        let mut positions = std::mem::take(&mut patch.positions);
+        let mut triangles = std::mem::take(&mut patch.triangles);
+        positions.reserve_exact(band.vertices.len() - patch.rim_count);
+        triangles.reserve_exact(band.faces.len());
+        Self::extend((positions, triangles), patch.rim_count, band, near)
+    }
+
+    /// Gives the patch its positions and triangles, where they are now.
+    pub fn give_back(mut self, patch: &mut Patch) {
+        self.positions.truncate(self.patch_count);
+        self.triangles.truncate(self.triangles.len() - self.band_face_count);
+        (patch.positions, patch.triangles) = (self.positions, self.triangles);
+    }
+
+    fn extend(
+        (mut positions, mut triangles): (Vec<DVec3>, Vec<[u32; 3]>),
+        rim: usize,
+        band: &Band,
+        near: &Neighbourhood,
+    ) -> Self {
+        let new = positions.len() - rim;
+        positions.extend(band.vertices[rim..].iter().map(|&v| near.positions.get(v)));
+        let number = |v: u32| if (v as usize) < rim { v } else { v + new as u32 };
         triangles.extend(band.faces.iter().map(|f| f.map(number)));
         let mut ring = vec![0; positions.len()];
         for r in 1..band.ring_ends.len() {
@@ -183,8 +240,8 @@ impl Laplacian {
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], weights: Weights) -> Self {
         let n = positions.len();
         let around = Incidence::of(n, triangles);
-        // Each inner edge is two entries, and has two triangles.
-        let entries = 3 * triangles.len() + n;
+        // Each inner edge is two entries, and has two triangles; those of the border are few.
+        let entries = 3 * triangles.len();
         let mut l = Self {
             start: Vec::with_capacity(n + 1),
             to: Vec::with_capacity(entries),
@@ -193,26 +250,29 @@ impl Laplacian {
             mass: vec![0.0; n],
         };
         l.start.push(0);
+        let shape = |tri: &[u32; 3]| half_cotangents(tri.map(|v| positions[v as usize]));
+        let shapes: Vec<_> = match triangles.len() <= MOST_KEPT {
+            true => triangles.iter().map(shape).collect(),
+            false => Vec::new(),
+        };
         let mut row: Vec<(u32, f64)> = Vec::new();
         for v in 0..n {
             row.clear();
-            // Each cotangent is computed twice rather than kept: they would be a third of the room.
             for &t in around.faces(v as u32) {
-                let tri = triangles[t as usize];
-                let p = tri.map(|v| positions[v as usize]);
-                let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
-                let half_cot = |at: usize| {
-                    let (u, v) = (p[(at + 1) % 3] - p[at], p[(at + 2) % 3] - p[at]);
-                    0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE)
+                let tri = &triangles[t as usize];
+                let (half_cot, area2) = match shapes.get(t as usize) {
+                    Some(shape) => *shape,
+                    None => shape(tri),
                 };
                 for k in (0..3).filter(|&k| tri[k] as usize == v) {
                     let (next, last) = ((k + 1) % 3, (k + 2) % 3);
                     l.mass[v] += area2 / 6.0;
-                    add_to(&mut row, tri[next], half_cot(last));
-                    add_to(&mut row, tri[last], half_cot(next));
+                    add_to(&mut row, tri[next], half_cot[last]);
+                    add_to(&mut row, tri[last], half_cot[next]);
                 }
             }
             row.sort_unstable_by_key(|e| e.0);
+            grow(&mut l.to, &mut l.weight, row.len(), n / 64);
             for &(to, half_cotangents) in &row {
                 let w = match weights {
                     Weights::Uniform => 1.0,
@@ -224,6 +284,7 @@ impl Laplacian {
             }
             l.start.push(l.to.len() as u32);
         }
+        drop((around, shapes));
         l.lift_masses();
         l
     }
@@ -243,6 +304,16 @@ impl Laplacian {
         let range = self.start[v] as usize..self.start[v + 1] as usize;
         range.map(|e| (self.to[e] as usize, self.weight[e]))
     }
+}
+
+/// Half the cotangent at each corner of a triangle, and twice its area.
+fn half_cotangents(p: [DVec3; 3]) -> ([f64; 3], f64) {
+    let area2 = (p[1] - p[0]).cross(p[2] - p[0]).length();
+    let half_cot = |at: usize| {
+        let (u, v) = (p[(at + 1) % 3] - p[at], p[(at + 2) % 3] - p[at]);
+        0.5 * u.dot(v) / area2.max(f64::MIN_POSITIVE)
+    };
+    ([0, 1, 2].map(half_cot), area2)
 }
 
 /// Adds to the entry of a column; a row has few.

@@ -2,10 +2,19 @@
 
 use super::envelope::{Envelope, Lower};
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::reborrow::IntoConst;
+use faer::sparse::linalg::cholesky::simplicial::{
+    factorize_simplicial_numeric_llt, factorize_simplicial_numeric_llt_scratch,
+};
+use faer::sparse::linalg::cholesky::supernodal::{
+    factorize_supernodal_numeric_llt, factorize_supernodal_numeric_llt_scratch,
+};
 use faer::sparse::linalg::cholesky::{
-    factorize_symbolic_cholesky, CholeskySymbolicParams, LltRef, SymmetricOrdering,
+    factorize_symbolic_cholesky, CholeskySymbolicParams, LltRef, SymbolicCholeskyRaw,
+    SymmetricOrdering,
 };
 use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::utils::{permute_self_adjoint_scratch, permute_self_adjoint_to_unsorted};
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, Mat, Par, Side};
 use glam::DVec3;
@@ -20,6 +29,15 @@ const ENVELOPE_UNKNOWNS: usize = 5000;
 /// How much denser than by the crate's own choice a factor is before it is made by dense blocks: their
 /// products keep 4 MiB a thread, more than a small mesh, and up to some 10,000 unknowns are no faster.
 const SUPERNODAL: f64 = 4.0;
+
+/// Makes room for more entries of a matrix with so many rows, some entries a row at a time: doubled, the
+/// arrays of a triharmonic system would be twice as long as what is in them.
+pub fn grow(columns: &mut Vec<u32>, values: &mut Vec<f64>, more: usize, rows: usize) {
+    if columns.len() + more > columns.capacity() {
+        columns.reserve_exact(more + 4 * rows);
+        values.reserve_exact(more + 4 * rows);
+    }
+}
 
 /// A symmetric matrix being assembled column by column: the lower triangle and the right-hand side.
 pub struct System {
@@ -69,6 +87,7 @@ impl System {
     /// Ends the current column, whose right-hand side is `rhs`.
     pub fn end_column(&mut self, rhs: DVec3) {
         self.columns.push(self.rows.len() as u32);
+        grow(&mut self.rows, &mut self.values, self.used.len(), self.scratch.len());
         for &i in &self.used {
             self.rows.push(i as u32);
             self.values.push(self.scratch[i]);
@@ -84,10 +103,13 @@ impl System {
         if n == 0 {
             return Some(Vec::new());
         }
+        // Of a face whose area is lost to rounding: by an entry that is no number its row is there twice.
+        if !self.values.iter().all(|v| v.is_finite()) {
+            return None;
+        }
         self.columns.push(u32::try_from(self.rows.len()).ok()?);
         self.scratch = Vec::new();
         self.used = Vec::new();
-        // Grown by pushes, they may be twice as long as what is in them.
         self.rows.shrink_to_fit();
         self.values.shrink_to_fit();
         let solution = match self.narrow_envelope() {
@@ -109,8 +131,79 @@ impl System {
         (envelope.cost() <= ENVELOPE_COST * self.rows.len() as f64).then_some(envelope)
     }
 
-    /// By the crate `faer`, AMD ordering.
+    /// By the crate `faer`, AMD ordering. Each thing is dropped as soon as the next one is there: what is
+    /// alive beside the factor is most of what a fill takes.
     fn solve_sparse(self) -> Option<Vec<DVec3>> {
+        let (matrix, rhs) = self.sorted();
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
+            ..Default::default()
+        };
+        let order = SymmetricOrdering::Amd;
+        let shape =
+            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, params).ok()?;
+        let n = shape.nrows();
+        // As `SymbolicCholesky::factorize_numeric_llt`, which keeps the matrix beside its own copy.
+        let side = match shape.raw() {
+            SymbolicCholeskyRaw::Simplicial(_) => Side::Upper,
+            SymbolicCholeskyRaw::Supernodal(_) => Side::Lower,
+        };
+        let entries = matrix.row_idx().len();
+        let (mut columns, mut rows) = (vec![0u32; n + 1], vec![0u32; entries]);
+        let mut values = vec![0.0; entries];
+        let permuted = permute_self_adjoint_to_unsorted(
+            &mut values,
+            &mut columns,
+            &mut rows,
+            matrix.as_ref(),
+            shape.perm()?,
+            Side::Lower,
+            side,
+            MemStack::new(&mut MemBuffer::try_new(permute_self_adjoint_scratch::<u32>(n)).ok()?),
+        )
+        .into_const();
+        drop(matrix);
+        let mut factor = vec![0.0; shape.len_val()];
+        match shape.raw() {
+            SymbolicCholeskyRaw::Simplicial(shape) => {
+                let room = factorize_simplicial_numeric_llt_scratch::<u32, f64>(n);
+                let stack = &mut MemBuffer::try_new(room).ok()?;
+                let (stack, regular) = (MemStack::new(stack), Default::default());
+                factorize_simplicial_numeric_llt(&mut factor, permuted, regular, shape, stack)
+                    .ok()?;
+            }
+            SymbolicCholeskyRaw::Supernodal(shape) => {
+                let (par, params) = (Par::Seq, Default::default());
+                let room = factorize_supernodal_numeric_llt_scratch::<u32, f64>(shape, par, params);
+                let stack = &mut MemBuffer::try_new(room).ok()?;
+                let (stack, regular) = (MemStack::new(stack), Default::default());
+                factorize_supernodal_numeric_llt(
+                    &mut factor,
+                    permuted,
+                    regular,
+                    shape,
+                    par,
+                    stack,
+                    params,
+                )
+                .ok()?;
+            }
+        }
+        drop((columns, rows, values));
+        let mut x = Mat::from_fn(n, 3, |i, d| rhs[i][d]);
+        drop(rhs);
+        let room = shape.solve_in_place_scratch::<f64>(3, Par::Seq);
+        LltRef::new(&shape, &factor).solve_in_place_with_conj(
+            Conj::No,
+            x.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::try_new(room).ok()?),
+        );
+        Some((0..n).map(|i| DVec3::new(x[(i, 0)], x[(i, 1)], x[(i, 2)])).collect())
+    }
+
+    /// The matrix with the rows of each column ascending, and the right-hand side.
+    fn sorted(self) -> (SparseColMat<u32, f64>, Vec<DVec3>) {
         let n = self.rhs.len();
         let (mut rows, mut values) = (self.rows, self.values);
         let mut column: Vec<(u32, f64)> = Vec::new();
@@ -125,37 +218,7 @@ impl System {
             }
         }
         let symbolic = SymbolicSparseColMat::new_checked(n, n, self.columns, None, rows);
-        let matrix = SparseColMat::new(symbolic, values);
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
-            ..Default::default()
-        };
-        let order = SymmetricOrdering::Amd;
-        let shape =
-            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, params).ok()?;
-        let mut factor = vec![0.0; shape.len_val()];
-        let room = shape.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        shape
-            .factorize_numeric_llt(
-                &mut factor,
-                matrix.as_ref(),
-                Side::Lower,
-                Default::default(),
-                Par::Seq,
-                MemStack::new(&mut MemBuffer::try_new(room).ok()?),
-                Default::default(),
-            )
-            .ok()?;
-        drop(matrix);
-        let mut x = Mat::from_fn(n, 3, |i, d| self.rhs[i][d]);
-        let room = shape.solve_in_place_scratch::<f64>(3, Par::Seq);
-        LltRef::new(&shape, &factor).solve_in_place_with_conj(
-            Conj::No,
-            x.as_mut(),
-            Par::Seq,
-            MemStack::new(&mut MemBuffer::try_new(room).ok()?),
-        );
-        Some((0..n).map(|i| DVec3::new(x[(i, 0)], x[(i, 1)], x[(i, 2)])).collect())
+        (SparseColMat::new(symbolic, values), self.rhs)
     }
 }
 
@@ -193,6 +256,21 @@ mod tests {
             for (a, b) in a.iter().zip(&b) {
                 assert!(a.distance(*b) < 1e-9 * (1.0 + b.length()), "{n}: {a} {b}");
             }
+        }
+    }
+
+    /// Found by fuzzing: the row that was there twice was a panic in the crate that factors.
+    #[test]
+    fn a_system_with_an_entry_that_is_no_number_has_no_solution() {
+        for value in [f64::NAN, f64::INFINITY] {
+            let mut system = System::new(2);
+            system.add(0, value);
+            system.add(0, value);
+            system.add(1, 1.0);
+            system.end_column(DVec3::ONE);
+            system.add(1, 1.0);
+            system.end_column(DVec3::ONE);
+            assert!(system.solve().is_none(), "{value}");
         }
     }
 

@@ -428,7 +428,7 @@ fn build_patch(
     Patch {
         positions: positions.to_vec(),
         sizes: sizes.to_vec(),
-        offsets: vec![DVec3::ZERO; positions.len()],
+        offsets: Vec::new(),
         rim_count: positions.len(),
         triangles,
         across,

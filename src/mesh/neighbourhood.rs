@@ -153,7 +153,7 @@ impl Neighbourhood {
         if span <= 32 * faces.len() + 1024 {
             let mut local = vec![NONE; span];
             faces.iter().flatten().for_each(|&v| local[(v - first) as usize] = 0);
-            vertices = Vec::with_capacity(faces.len() / 2 + 64);
+            vertices = Vec::with_capacity(local.iter().filter(|&&place| place == 0).count());
             for (i, place) in local.iter_mut().enumerate().filter(|(_, place)| **place == 0) {
                 *place = vertices.len() as u32;
                 vertices.push(first + i as u32);
@@ -163,6 +163,7 @@ impl Neighbourhood {
             vertices = faces.iter().flatten().copied().collect();
             vertices.sort_unstable();
             vertices.dedup();
+            vertices.shrink_to_fit();
             let find = |v: u32| vertices.partition_point(|&w| w < v) as u32;
             faces.iter_mut().flatten().for_each(|v| *v = find(*v));
         }

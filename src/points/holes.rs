@@ -24,6 +24,8 @@ use std::collections::HashMap;
 /// The shorter end of a missing band is at least so long, as a share of the other: a cluster of
 /// outliers beside a hole is no end.
 const BAND: f64 = 0.3;
+/// Part of a completion's progress that the mesh through the points and its rims are.
+pub const MADE: f64 = 0.03;
 
 /// What was found out about a cloud.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -139,7 +141,7 @@ impl Scaffold {
         monitor.step(0.02, "meshing")?;
         let mut surface =
             surface(&points, &normals, &neighbours.mutual(), &spacing, threads, monitor)?;
-        monitor.step(0.03, "judging gaps")?;
+        monitor.step(MADE, "judging gaps")?;
         let mut rims = tidy(&mut surface);
         for rim in &mut rims {
             let each = |&v: &u32| probability(&points, &normals, &neighbours, v as usize);

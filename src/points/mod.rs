@@ -112,6 +112,12 @@ pub fn complete_points_with(
     let cleaned = options.clean.map(|_| scaffold.cleaned(points));
     let vertices = scaffold.vertices(points);
     let mesh = MeshView { vertices: vertices.view(), faces: (&scaffold.faces[..]).into() };
+    // What follows reports as if it were all there is.
+    let report = |part: f64, stage: &str| {
+        let done = if part < 1.0 { holes::MADE + (1.0 - holes::MADE) * part } else { 1.0 };
+        monitor.step(done, stage).is_ok()
+    };
+    let monitor = &Monitor::new(&report);
     let grouping = scaffold.local_grouping(mesh, &options.grouping, monitor)?;
     let completer = Completer::new(mesh, &grouping, monitor)?.of_points();
     let (found, numbers) = scaffold.holes(completer.holes());

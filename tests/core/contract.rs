@@ -230,6 +230,25 @@ fn no_sizing_adds_no_vertex() {
     assert_eq!((made.vertices.len(), made.faces.len()), (0, 2));
 }
 
+/// Found by fuzzing: masses and weights around a lone face without area are beyond all numbers, which was a
+/// panic. What comes back is a fill or an error that names the hole.
+#[test]
+fn a_lone_face_without_area_is_no_panic() {
+    let vertices = vec![[-39.0; 3], [-39.0; 3], [-1.0; 3]];
+    let mesh = Mesh { vertices, faces: vec![[2, 0, 1]] };
+    for fairing in Fairing::ALL {
+        let options = Options { fairing, method: Method::Smooth, ..Options::default() };
+        match complete_mesh(mesh.view().vertices, mesh.view().faces, &options) {
+            Ok(made) => {
+                let list =
+                    find_holes(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
+                check(&mesh.vertices, &mesh.faces, &made, &filled_rims(&made, &list)).unwrap();
+            }
+            Err(error) => assert!(matches!(error, Error::HoleFailed { hole: 0, .. }), "{error}"),
+        }
+    }
+}
+
 #[test]
 fn cancel_at_every_step_and_progress_never_falls() {
     let mesh = sheet((12, 12), flat, |i, j| !within(i, j, 2, 4) && !within(i, j, 6, 9));

@@ -12,6 +12,7 @@ mod loose;
 mod meshes;
 mod part;
 mod points;
+mod progress;
 mod provenance;
 mod random;
 mod sources;

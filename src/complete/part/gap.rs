@@ -5,7 +5,7 @@ use super::Wanted;
 use crate::complete::check::{Obstacles, Rounding};
 use crate::complete::smooth::{fill_hole, Surroundings};
 use crate::error::Result;
-use crate::fill::sheet::Incidence;
+use crate::fill::sheet::Incidences;
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood, Positions};
 use crate::options::{Fairing, Sizing};
 use glam::DVec3;
@@ -65,7 +65,7 @@ pub fn close_gap(
         initial: None,
         input_vertices: around.input_vertices + cut.positions.len(),
         near: &near,
-        incidence: &Incidence::new(&near),
+        incidence: &Incidences::new(&near),
         places: &FacePlaces::new(&near, 1),
         fairing: Fairing::C1,
         sizing: Sizing::Surroundings,

@@ -62,9 +62,9 @@ pub fn ring_around(
     library: &Library,
     loops: &[Vec<u32>],
 ) -> Vec<RingPoint> {
-    let outline = Outline::new(around.near, around.incidence, loops);
+    let outline = Outline::new(around.near, &around.incidence.get(), loops);
     let rings = (0.5 * outline.radius() / outline.mean_size()).clamp(RINGS.0, RINGS.1);
-    let band = Band::grow(around.near, around.incidence, &outline.vertices, rings as usize);
+    let band = Band::grow(around.near, &around.incidence.get(), &outline.vertices, rings as usize);
     let known = &library.known;
     let point = |&v: &u32| {
         let v = around.near.vertices[v as usize] as usize;
@@ -160,7 +160,7 @@ pub fn take_part(
         Ok(found) => found,
         Err(why) => return Ok(Err(why)),
     };
-    let outline = Outline::new(around.near, around.incidence, wanted.local);
+    let outline = Outline::new(around.near, &around.incidence.get(), wanted.local);
     let input = wanted.mesh.vertices.len() as u32;
     let rim = outline.vertices.iter().map(|&v| around.near.vertices[v as usize]);
     let number: HashMap<u32, u32> = rim.enumerate().map(|(i, v)| (v, i as u32)).collect();
