@@ -316,7 +316,7 @@ impl Scope<'_> {
     }
 }
 
-/// Mean roughness of the ring, see [`Source::roughness`].
+/// Mean roughness of the ring, see [`SourceMesh::roughness`](crate::matching::source::SourceMesh::roughness).
 pub fn roughness(around: &Surroundings<'_>, library: &Library, domain: &Domain) -> f64 {
     let of = |&v: &usize| {
         let input = around.near.vertices[domain.near_vertex(v) as usize];

@@ -16,7 +16,7 @@ pub struct Cloud {
     pub thinned: Thinned,
     /// Over the points.
     pub blocks: Blocks,
-    /// Of the source, see [`Source::axes`].
+    /// Of the source, see [`SourceMesh::axes`](super::source::SourceMesh::axes).
     pub axes: DMat3,
 }
 
@@ -26,7 +26,7 @@ pub struct Thinned {
     pub points: Vec<DVec3>,
     /// Mean normals, unit length.
     pub normals: Vec<DVec3>,
-    /// Mean roughness, see [`Source::roughness`].
+    /// Mean roughness, see [`SourceMesh::roughness`](super::source::SourceMesh::roughness).
     pub roughness: Vec<f64>,
     /// Mean tints, see [`super::paint`]; `None` without colours.
     pub tints: Option<Vec<f64>>,

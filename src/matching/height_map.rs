@@ -21,7 +21,7 @@ pub type Row = [f32; ANGLES];
 pub struct HeightMap {
     /// Where the bins are.
     pub frame: Frame,
-    /// Mean roughness of the points in the bins, see [`Source::roughness`](super::source::Source).
+    /// Mean roughness of the points in the bins, see [`SourceMesh::roughness`](super::source::SourceMesh::roughness).
     pub roughness: f64,
     /// Mean heights, in mesh units.
     pub height: [Row; RADII],

@@ -20,7 +20,7 @@ const RING_COVER: f64 = 0.85;
 /// A place on the source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// Index into [`Source::faces`].
+    /// Index into [`SourceMesh::faces`](crate::matching::source::SourceMesh::faces).
     pub face: u32,
     /// Barycentric coordinates on it.
     pub barycentric: [f64; 3],
@@ -37,7 +37,7 @@ pub struct Copy {
     pub normals: Vec<DVec3>,
     /// Where on the source; `None` where the height was filled in.
     pub places: Vec<Option<Place>>,
-    /// Mean roughness of the source over the fill, see [`Source::roughness`].
+    /// Mean roughness of the source over the fill, see [`SourceMesh::roughness`](crate::matching::source::SourceMesh::roughness).
     pub roughness: f64,
     /// Its colours by domain vertex, row after row; empty without colours.
     pub rows: Vec<f64>,

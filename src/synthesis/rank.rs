@@ -31,7 +31,7 @@ pub struct Scores {
 
 /// Scores all copies at all fill vertices.
 ///
-/// `roughness`: that of the ring, see [`crate::matching::source::Source::roughness`].
+/// `roughness`: that of the ring, see [`crate::matching::source::SourceMesh::roughness`].
 pub fn score(domain: &Domain, copies: &[Copy], fitted: &Fitted, roughness: f64) -> Scores {
     let soft = (SOFT * domain.radius).powi(2);
     let positions = &domain.sheet.positions;
