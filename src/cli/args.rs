@@ -93,7 +93,7 @@ pub(super) struct FillArgs {
     #[arg(long)]
     pub provenance: bool,
     /// Write a picture (PNG): before and after, with a close-up on each hole
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = parse_picture)]
     pub picture: Option<PathBuf>,
     /// Colour the fill in the picture by its sources, and the sources in the same colours
     #[arg(long, requires = "picture")]
@@ -297,6 +297,17 @@ fn parse_holes(text: &str) -> Result<Selection, String> {
             ids.map(Selection::Ids)
                 .map_err(|_| "use all, all-but-largest, or ids such as 0,3,7".to_owned())
         }
+    }
+}
+
+/// A file name without an ending, or with that of what is written.
+fn parse_picture(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(other) if !other.eq_ignore_ascii_case("png") => {
+            Err(format!("the picture is a PNG: name it {}", path.with_extension("png").display()))
+        }
+        _ => Ok(path),
     }
 }
 

@@ -20,6 +20,7 @@ fn wrong_usage_is_2_and_writes_nothing() {
         "fill in.ply -o out.ply --report in.ply",
         "fill in.ply -o out.ply --report ./out.ply",
         "fill in.ply -o out.ply --picture x --report x",
+        "fill in.ply -o out.ply --picture x.jpg",
         "fill in.ply -o out.ply --tint",
         "sample cube -o out.ply",
         "sample column -o out.ply --seed 2",
