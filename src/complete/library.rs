@@ -7,12 +7,11 @@ use super::searches::Searches;
 use crate::descriptor::voting::voted_curvatures;
 use crate::error::Result;
 use crate::matching::cloud::Cloud;
+use crate::matching::maps::{cloud_at, cloud_scale, radius_at, scale_of, Maps};
 use crate::matching::paint::Paint;
 use crate::matching::rigid::Rigid;
 use crate::matching::ring_pattern::Candidate;
-use crate::matching::search::{
-    cloud_at, cloud_scale, find_candidates, radius_at, scale_of, Maps, Target,
-};
+use crate::matching::search::{find_candidates, Target};
 use crate::matching::signature::Features;
 use crate::matching::source::Source;
 use crate::matching::symmetry::symmetries;

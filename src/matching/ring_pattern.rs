@@ -10,8 +10,8 @@
 //! that this takes are five correlations of rows, less the target's moments where the source knows
 //! nothing.
 
-use super::blocks::{Lanes, LANES};
-use super::height_map::{bin_of, Frame, HeightMap, Row, ANGLES, RADII, WHOLE};
+use super::correlation::{Bin, Doubled, SoFar, Sums, MOMENTS};
+use super::height_map::{bin_of, Frame, HeightMap, ANGLES, RADII, WHOLE};
 use super::rigid::Rigid;
 use glam::{DMat3, DVec3};
 
@@ -25,43 +25,6 @@ const MOST_TILT: f64 = 0.7;
 const TURNS_KEPT: usize = 2;
 /// Turns that count as the same.
 const SAME_TURN: usize = 4;
-
-/// A known bin of a target, for one side.
-struct Bin {
-    r: usize,
-    a: usize,
-    /// In the order of the constants below.
-    moments: Moments,
-}
-
-/// Moments of a target's bin: weight 1, position (x, y) and height h.
-const MOMENTS: usize = 10;
-type Moments = [f32; MOMENTS];
-const W: usize = 0;
-const X: usize = 1;
-const Y: usize = 2;
-const H: usize = 3;
-const XX: usize = 4;
-const XY: usize = 5;
-const YY: usize = 6;
-const XH: usize = 7;
-const YH: usize = 8;
-const HH: usize = 9;
-
-/// Sums over the target's bins that no source changes.
-#[derive(Default, Clone, Copy)]
-struct Sums {
-    n: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
-    yy: f64,
-    d: f64,
-    dx: f64,
-    dy: f64,
-    dd: f64,
-}
 
 /// The target's known bins, ready to be compared.
 pub struct RingPattern {
@@ -298,145 +261,6 @@ impl Width {
     fn is_useful(&self) -> bool {
         self.bins > ANGLES
     }
-}
-
-/// Sums at all turns over the bins looked at, from the centre out.
-struct SoFar {
-    /// Of source height times weight, x, y and target height, and of its square.
-    with_height: [[f32; TURNS]; 5],
-    /// Of the target's moments where the source knows nothing.
-    missing: Option<[Moments; ANGLES]>,
-    /// Of (tint of the target − of the source)².
-    tints: [f32; ANGLES],
-}
-
-impl Default for SoFar {
-    fn default() -> Self {
-        Self { with_height: [[0.0; TURNS]; 5], missing: None, tints: [0.0; ANGLES] }
-    }
-}
-
-impl SoFar {
-    fn add_heights(&mut self, bins: &[Bin], height: &Twice) {
-        let with_height = &mut self.with_height;
-        pulp::Arch::new().dispatch(|| {
-            for turn in (0..TURNS).step_by(LANES) {
-                let mut sums = [0, 1, 2, 3, 4].map(|m| lanes(&with_height[m], turn));
-                sum_heights(&mut sums, bins, height, turn);
-                (0..5).for_each(|m| with_height[m][turn..turn + LANES].copy_from_slice(&sums[m]));
-            }
-        });
-    }
-
-    fn add_tints(&mut self, bins: &[Bin], tints: &[f32], [tint, known]: &[Twice; 2]) {
-        for (b, &t) in bins.iter().zip(tints) {
-            let (row, seen) = (&tint[b.r][b.a..][..ANGLES], &known[b.r][b.a..][..ANGLES]);
-            for (s, (x, k)) in self.tints.iter_mut().zip(row.iter().zip(seen)) {
-                *s += k * (t - x) * (t - x);
-            }
-        }
-    }
-
-    /// At one turn, from those over the target's bins.
-    fn at(&self, turn: usize, target: &Sums) -> Sums {
-        let target = match &self.missing {
-            Some(missing) => target.without(&missing[turn]),
-            None => *target,
-        };
-        target.less(std::array::from_fn(|m| f64::from(self.with_height[m][turn])))
-    }
-}
-
-impl Sums {
-    fn without(self, moments: &Moments) -> Self {
-        let m = |k: usize| f64::from(moments[k]);
-        Self {
-            n: self.n - m(W),
-            x: self.x - m(X),
-            y: self.y - m(Y),
-            xx: self.xx - m(XX),
-            xy: self.xy - m(XY),
-            yy: self.yy - m(YY),
-            d: self.d - m(H),
-            dx: self.dx - m(XH),
-            dy: self.dy - m(YH),
-            dd: self.dd - m(HH),
-        }
-    }
-
-    /// With source heights s taken from the target's: sums of s, x s, y s, h s and s².
-    fn less(self, [s, sx, sy, sh, ss]: [f64; 5]) -> Self {
-        let dd = self.dd - 2.0 * sh + ss;
-        Self { d: self.d - s, dx: self.dx - sx, dy: self.dy - sy, dd, ..self }
-    }
-    fn add(&mut self, n: f64, x: f64, y: f64, d: f64) {
-        self.n += n;
-        self.x += x;
-        self.y += y;
-        self.xx += x * x;
-        self.xy += x * y;
-        self.yy += y * y;
-        self.d += d;
-        self.dx += d * x;
-        self.dy += d * y;
-        self.dd += d * d;
-    }
-}
-
-/// The turns in whole lanes: the last ones are not used.
-const TURNS: usize = ANGLES.next_multiple_of(LANES);
-
-/// Rows whose angles run twice around, so that a turned row is a slice.
-type Twice = [[f32; ANGLES + TURNS]; RADII];
-
-struct Doubled {
-    height: Twice,
-    known: [u64; RADII],
-    /// The tints, if there are colours, and 1 where they are known.
-    tint: Option<Box<[Twice; 2]>>,
-}
-
-impl Doubled {
-    fn new(map: &HeightMap) -> Self {
-        let tint = |t: &[Row; RADII]| {
-            let seen = map.known.map(|bits| std::array::from_fn(|a| (bits >> a & 1) as f32));
-            Box::new([twice(t), twice(&seen)])
-        };
-        Self { tint: map.tint.as_deref().map(tint), height: twice(&map.height), known: map.known }
-    }
-}
-
-/// Each row twice, and on to whole lanes.
-fn twice(rows: &[Row; RADII]) -> Twice {
-    let mut all = [[0.0; _]; RADII];
-    for (twice, row) in all.iter_mut().zip(rows) {
-        twice[..ANGLES].copy_from_slice(row);
-        twice[ANGLES..2 * ANGLES].copy_from_slice(row);
-        twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
-    }
-    all
-}
-
-/// Adds to the sums of some turns, see [`SoFar::with_height`].
-#[inline(always)]
-fn sum_heights(sums: &mut [Lanes; 5], bins: &[Bin], height: &Twice, turn: usize) {
-    for b in bins {
-        let h = lanes(&height[b.r], b.a + turn);
-        for l in 0..LANES {
-            sums[0][l] += h[l];
-            sums[1][l] += b.moments[X] * h[l];
-            sums[2][l] += b.moments[Y] * h[l];
-            sums[3][l] += b.moments[H] * h[l];
-            sums[4][l] += h[l] * h[l];
-        }
-    }
-}
-
-#[inline(always)]
-fn lanes(row: &[f32], from: usize) -> Lanes {
-    let mut out = [0.0; LANES];
-    out.copy_from_slice(&row[from..from + LANES]);
-    out
 }
 
 /// What the cost of a source that is smoother than the surroundings is multiplied with, from their

@@ -1,33 +1,24 @@
 //! Candidates for one hole: places on the source that look like its ring, aligned.
 
-use super::cloud::{thin, Cloud, Sample, Thinned};
 use super::height_map::{Frame, HeightMap};
 use super::icp::{align, misfit, worth, Pairing, Partner, RingPoint, KEEP};
+use super::maps::{Kept, Maps, REACH};
 use super::rigid::Rigid;
 use super::ring_pattern::{keep_different, Candidate, RingPattern};
 use super::source::Source;
 use super::stretch::stretch;
 use crate::error::Result;
 use crate::fill::sheet::Sheet;
-use crate::mesh::neighbourhood::NONE;
 use crate::parallel;
 use glam::{DMat3, DVec3};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-/// Radius of the height maps, in hole radii: the hole and a ring as wide as its radius.
-const REACH: f64 = 2.0;
 /// Source maps that the smallest hole is compared with: with 400 and with 1000 a twin far off was lost.
 const LEAST_MAPS: usize = 2000;
 /// Widths of the ring that are compared, in hole radii.
 const WIDTHS: [f64; 2] = [0.5, 1.0];
-/// Source centres lie this far apart, in hole radii: within reach of the ICP.
-const SPACING: f64 = 0.3;
-/// And there are about this many at most.
-const MOST_CENTRES: f64 = 4000.0;
 /// Maps worked on between two looks at the wish to cancel.
 const BATCH: usize = 32;
-/// Normals are averaged over this radius, in hole radii, to give a map its plane.
-const PLANE: f64 = 0.7;
 /// How much a target is worth. All grow with its fill up to some five hundred vertices, so that many
 /// small holes cost no more than a large one. More candidates gain nothing.
 struct Effort {
@@ -77,133 +68,6 @@ const IMAGE: f64 = 0.6;
 const MAP_COST: f64 = 0.33;
 /// Ring points of the first and of the second alignment, at most.
 pub const POINTS: [usize; 2] = [160, 400];
-
-/// The source at one scale: a thinned cloud and the height maps around centres spread over it, each
-/// made when it is first asked for.
-pub struct Maps {
-    /// Hole radius that they are for, in mesh units.
-    pub radius: f64,
-    /// Of the source.
-    cloud: Arc<Cloud>,
-    /// Of the object that is filled: the same where all of it may be copied from.
-    known: Arc<Cloud>,
-    /// Whether mirrored copies may be made.
-    mirrored: bool,
-    /// What a difference of 1 in tint is worth, in mesh units; 0 without colours.
-    paint: f64,
-    /// What may carry the object onto itself.
-    symmetries: Arc<Vec<Rigid>>,
-    centres: Thinned,
-    maps: Vec<OnceLock<Option<HeightMap>>>,
-}
-
-/// The ratio of one scale to the next: holes whose radii differ by less share their maps.
-const SCALE_STEP: f64 = 1.08;
-/// Spacing of the thinned source, in hole radii: two points a bin of the height maps.
-const CLOUD_SPACING: f64 = 0.11;
-/// The ratio of one cloud's spacing to the next; wider below the mesh's own edges, where a cloud is made of
-/// several samples a face, which show nothing new.
-const CLOUD_STEPS: [f64; 2] = [1.1, 1.25];
-
-/// The scale that serves a hole radius: the least power of 1.08 (times the object's edge) above it.
-pub fn scale_of(edge: f64, radius: f64) -> i32 {
-    ((radius / edge).ln() / SCALE_STEP.ln()).ceil() as i32
-}
-
-/// The hole radius of a scale.
-pub fn radius_at(edge: f64, scale: i32) -> f64 {
-    edge * SCALE_STEP.powi(scale)
-}
-
-/// The cloud that serves a hole radius: the power of a step of its spacing, in edges.
-pub fn cloud_scale(source: &Source, radius: f64) -> i32 {
-    let spacing = Cloud::spacing(source, CLOUD_SPACING * radius);
-    let step = CLOUD_STEPS[usize::from(spacing < source.edge)];
-    ((spacing / source.edge).ln() / step.ln()).round() as i32
-}
-
-/// The cloud of a [`cloud_scale`].
-pub fn cloud_at(
-    source: &Source,
-    cloud_scale: i32,
-    check: &dyn Fn() -> Result<()>,
-) -> Result<Cloud> {
-    let step = CLOUD_STEPS[usize::from(cloud_scale < 0)];
-    Cloud::of_source(source, source.edge * step.powi(cloud_scale), check)
-}
-
-impl Maps {
-    /// Around centres on a source, for holes of about a radius (mesh units) in the object that the
-    /// cloud `known` is of.
-    pub fn new(
-        source: &Source,
-        radius: f64,
-        cloud: Arc<Cloud>,
-        known: Arc<Cloud>,
-        mirrored: bool,
-        check: &dyn Fn() -> Result<()>,
-    ) -> Result<Self> {
-        let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
-        let Thinned { points, normals, completion, .. } = &cloud.thinned;
-        let point = |i: usize| Sample {
-            point: points[i],
-            normal: normals[i],
-            roughness: 0.0,
-            tint: 0.0,
-            completion: completion.get(i).copied().unwrap_or(NONE),
-        };
-        let centres = thin((0..points.len()).map(point), spacing, &cloud.axes, check)?;
-        let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
-        let (paint, symmetries) = (worth(source), Arc::default());
-        Ok(Self { radius, cloud, known, mirrored, paint, symmetries, centres, maps })
-    }
-
-    /// With transforms that may carry the object onto itself: each hole is laid onto its image, too.
-    pub fn with_symmetries(self, symmetries: Arc<Vec<Rigid>>) -> Self {
-        Self { symmetries, ..self }
-    }
-
-    /// The map around a centre, without the completion of the hole that asks: `own`, which has a place to
-    /// keep it. `None` where the surface has no side to be seen from.
-    fn map<'a>(&'a self, c: usize, (own, place): (u32, &'a Kept)) -> Option<&'a HeightMap> {
-        let make = |without: u32| {
-            let (centre, normal) = (self.centres.points[c], self.centres.normals[c]);
-            let reach = REACH * self.radius;
-            let near = self.cloud.blocks.near(centre, reach);
-            // Moved onto the surface's mean plane.
-            let mean = self.cloud.blocks.sum_normals(&near, normal, PLANE * self.radius);
-            let frame = (mean != DVec3::ZERO)
-                .then(|| Frame::new(centre, mean.normalize(), &self.cloud.axes))?;
-            Some(HeightMap::new(&self.cloud, &near, frame, reach, without))
-        };
-        let map = self.maps[c].get_or_init(|| make(NONE)).as_ref()?;
-        match map.completions.contains(&own) {
-            true => place.get_or_init(|| make(own).map(Box::new)).as_deref(),
-            false => Some(map),
-        }
-    }
-
-    /// The centres that a target is compared with, in order.
-    fn choose(&self, target: &Target<'_>, most: usize, own: u32) -> Vec<u32> {
-        let of = |i: &u32| self.centres.completion.get(*i as usize).copied().unwrap_or(NONE);
-        let others = |i: &u32| of(i) == NONE || of(i) != own;
-        let mut ids: Vec<u32> = (0..self.maps.len() as u32).filter(others).collect();
-        // Near means something on the object itself; what was chosen is looked through whole.
-        if ids.len() > most && Arc::ptr_eq(&self.cloud, &self.known) {
-            let off = |i: &u32| self.centres.points[*i as usize].distance_squared(target.centre);
-            ids.sort_by(|a, b| off(a).total_cmp(&off(b)).then(a.cmp(b)));
-            let mut far = ids.split_off(most / 2);
-            far.sort_unstable();
-            let stride = far.len() as f64 / (most - most / 2) as f64;
-            let spread = (0..most - most / 2).map(|k| far[(k as f64 * stride) as usize]);
-            ids.extend(spread);
-        }
-        ids
-    }
-}
-
-/// A map of one hole's own, once it is made.
-type Kept = OnceLock<Option<Box<HeightMap>>>;
 
 /// The rim of a hole that is only joined in part: what lies beyond that part says nothing of the fill.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -255,7 +119,7 @@ pub fn find_candidates(
 ) -> Result<Vec<Vec<Candidate>>> {
     let efforts: Vec<Effort> = targets.iter().map(|t| Effort::of(t, targets.len())).collect();
     // The part of the search that making and comparing maps takes.
-    let compared = |e: &Effort| MAP_COST * e.maps.min(maps.maps.len()) as f64;
+    let compared = |e: &Effort| MAP_COST * e.maps.min(maps.count()) as f64;
     let cost: f64 = efforts.iter().map(compared).sum();
     let aligned: usize = targets.iter().map(|t| t.fill.len()).sum();
     let first = cost / (cost + aligned as f64).max(1.0);
@@ -454,6 +318,7 @@ fn merge(found: Vec<Candidate>, target: &Target<'_>, most: usize) -> Vec<Candida
 
 #[cfg(test)]
 mod tests {
+    use super::super::maps::{cloud_at, cloud_scale, radius_at, scale_of};
     use super::super::rigid::Rigid;
     use super::super::source::tests::{hills, hilly_source, some_transform};
     use super::*;

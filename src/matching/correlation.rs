@@ -1,0 +1,181 @@
+//! The sums that laying a source map over a target's bins takes, at all turns at once: five correlations of
+//! rows in vector lanes, less the target's moments where the source knows nothing.
+
+use super::blocks::{Lanes, LANES};
+use super::height_map::{HeightMap, Row, ANGLES, RADII};
+
+/// A known bin of a target, for one side.
+pub(super) struct Bin {
+    pub(super) r: usize,
+    pub(super) a: usize,
+    /// In the order of the constants below.
+    pub(super) moments: Moments,
+}
+
+/// Moments of a target's bin: weight 1, position (x, y) and height h.
+pub(super) const MOMENTS: usize = 10;
+pub(super) type Moments = [f32; MOMENTS];
+pub(super) const W: usize = 0;
+pub(super) const X: usize = 1;
+pub(super) const Y: usize = 2;
+pub(super) const H: usize = 3;
+pub(super) const XX: usize = 4;
+pub(super) const XY: usize = 5;
+pub(super) const YY: usize = 6;
+pub(super) const XH: usize = 7;
+pub(super) const YH: usize = 8;
+pub(super) const HH: usize = 9;
+
+/// Sums over the target's bins that no source changes.
+#[derive(Default, Clone, Copy)]
+pub(super) struct Sums {
+    pub(super) n: f64,
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) xx: f64,
+    pub(super) xy: f64,
+    pub(super) yy: f64,
+    pub(super) d: f64,
+    pub(super) dx: f64,
+    pub(super) dy: f64,
+    pub(super) dd: f64,
+}
+
+/// Sums at all turns over the bins looked at, from the centre out.
+pub(super) struct SoFar {
+    /// Of source height times weight, x, y and target height, and of its square.
+    pub(super) with_height: [[f32; TURNS]; 5],
+    /// Of the target's moments where the source knows nothing.
+    pub(super) missing: Option<[Moments; ANGLES]>,
+    /// Of (tint of the target − of the source)².
+    pub(super) tints: [f32; ANGLES],
+}
+
+impl Default for SoFar {
+    fn default() -> Self {
+        Self { with_height: [[0.0; TURNS]; 5], missing: None, tints: [0.0; ANGLES] }
+    }
+}
+
+impl SoFar {
+    pub(super) fn add_heights(&mut self, bins: &[Bin], height: &Twice) {
+        let with_height = &mut self.with_height;
+        pulp::Arch::new().dispatch(|| {
+            for turn in (0..TURNS).step_by(LANES) {
+                let mut sums = [0, 1, 2, 3, 4].map(|m| lanes(&with_height[m], turn));
+                sum_heights(&mut sums, bins, height, turn);
+                (0..5).for_each(|m| with_height[m][turn..turn + LANES].copy_from_slice(&sums[m]));
+            }
+        });
+    }
+
+    pub(super) fn add_tints(&mut self, bins: &[Bin], tints: &[f32], [tint, known]: &[Twice; 2]) {
+        for (b, &t) in bins.iter().zip(tints) {
+            let (row, seen) = (&tint[b.r][b.a..][..ANGLES], &known[b.r][b.a..][..ANGLES]);
+            for (s, (x, k)) in self.tints.iter_mut().zip(row.iter().zip(seen)) {
+                *s += k * (t - x) * (t - x);
+            }
+        }
+    }
+
+    /// At one turn, from those over the target's bins.
+    pub(super) fn at(&self, turn: usize, target: &Sums) -> Sums {
+        let target = match &self.missing {
+            Some(missing) => target.without(&missing[turn]),
+            None => *target,
+        };
+        target.less(std::array::from_fn(|m| f64::from(self.with_height[m][turn])))
+    }
+}
+
+impl Sums {
+    pub(super) fn without(self, moments: &Moments) -> Self {
+        let m = |k: usize| f64::from(moments[k]);
+        Self {
+            n: self.n - m(W),
+            x: self.x - m(X),
+            y: self.y - m(Y),
+            xx: self.xx - m(XX),
+            xy: self.xy - m(XY),
+            yy: self.yy - m(YY),
+            d: self.d - m(H),
+            dx: self.dx - m(XH),
+            dy: self.dy - m(YH),
+            dd: self.dd - m(HH),
+        }
+    }
+
+    /// With source heights s taken from the target's: sums of s, x s, y s, h s and s².
+    pub(super) fn less(self, [s, sx, sy, sh, ss]: [f64; 5]) -> Self {
+        let dd = self.dd - 2.0 * sh + ss;
+        Self { d: self.d - s, dx: self.dx - sx, dy: self.dy - sy, dd, ..self }
+    }
+    pub(super) fn add(&mut self, n: f64, x: f64, y: f64, d: f64) {
+        self.n += n;
+        self.x += x;
+        self.y += y;
+        self.xx += x * x;
+        self.xy += x * y;
+        self.yy += y * y;
+        self.d += d;
+        self.dx += d * x;
+        self.dy += d * y;
+        self.dd += d * d;
+    }
+}
+
+/// The turns in whole lanes: the last ones are not used.
+pub(super) const TURNS: usize = ANGLES.next_multiple_of(LANES);
+
+/// Rows whose angles run twice around, so that a turned row is a slice.
+pub(super) type Twice = [[f32; ANGLES + TURNS]; RADII];
+
+pub(super) struct Doubled {
+    pub(super) height: Twice,
+    pub(super) known: [u64; RADII],
+    /// The tints, if there are colours, and 1 where they are known.
+    pub(super) tint: Option<Box<[Twice; 2]>>,
+}
+
+impl Doubled {
+    pub(super) fn new(map: &HeightMap) -> Self {
+        let tint = |t: &[Row; RADII]| {
+            let seen = map.known.map(|bits| std::array::from_fn(|a| (bits >> a & 1) as f32));
+            Box::new([twice(t), twice(&seen)])
+        };
+        Self { tint: map.tint.as_deref().map(tint), height: twice(&map.height), known: map.known }
+    }
+}
+
+/// Each row twice, and on to whole lanes.
+pub(super) fn twice(rows: &[Row; RADII]) -> Twice {
+    let mut all = [[0.0; _]; RADII];
+    for (twice, row) in all.iter_mut().zip(rows) {
+        twice[..ANGLES].copy_from_slice(row);
+        twice[ANGLES..2 * ANGLES].copy_from_slice(row);
+        twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
+    }
+    all
+}
+
+/// Adds to the sums of some turns, see [`SoFar::with_height`].
+#[inline(always)]
+pub(super) fn sum_heights(sums: &mut [Lanes; 5], bins: &[Bin], height: &Twice, turn: usize) {
+    for b in bins {
+        let h = lanes(&height[b.r], b.a + turn);
+        for l in 0..LANES {
+            sums[0][l] += h[l];
+            sums[1][l] += b.moments[X] * h[l];
+            sums[2][l] += b.moments[Y] * h[l];
+            sums[3][l] += b.moments[H] * h[l];
+            sums[4][l] += h[l] * h[l];
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn lanes(row: &[f32], from: usize) -> Lanes {
+    let mut out = [0.0; LANES];
+    out.copy_from_slice(&row[from..from + LANES]);
+    out
+}
