@@ -10,6 +10,7 @@ use super::icp::{align, Pairing, Partner, RingPoint};
 use super::rigid::Rigid;
 use super::source::Source;
 use crate::error::Result;
+use crate::mesh::neighbourhood::NONE;
 use glam::{DMat3, DVec3};
 
 /// Points of the object that are laid onto it, about.
@@ -27,6 +28,8 @@ pub fn symmetries(
     mirrored: bool,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Rigid>> {
+    // The same whichever hole asks first.
+    let source = &source.for_hole(NONE);
     let spacing = (source.area / POINTS).sqrt();
     let thinned = thin(vertex_samples(source), spacing, &source.axes, check)?;
     let points: Vec<RingPoint> =
@@ -100,6 +103,13 @@ mod tests {
         println!("{:.4} edges", best(&found) / source.edge);
         assert_eq!(found.len(), 6);
         assert!(best(&found) < 0.5 * source.edge);
+        // Kept for all holes: it may not matter which of them asked.
+        let completion = (0..vertices.len()).map(|v| (v % 3) as u32).collect();
+        let all = [vertices.len(), faces.len()];
+        let whole = Source::completed(mesh, std::iter::empty(), completion, all, &|_| Ok(()));
+        let whole = whole.unwrap();
+        let of = |own| symmetries(&whole.for_hole(own), true, &|| Ok(())).unwrap();
+        assert!(of(0) == of(1) && of(0) == found);
         let turns = symmetries(&source, false, &|| Ok(())).unwrap();
         assert!(turns.len() == 3 && turns.iter().all(|t| !t.is_mirrored()));
     }
