@@ -124,15 +124,15 @@ impl Completer<'_> {
         let made = middle + (span.1 - middle) * making / (making + costs.iter().sum::<f64>());
         let check = |part: f64| monitor.step(middle + (made - middle) * part, "looking around");
         let library = self.library_of(call, &begun, &check)?;
-        // Each is taken once.
-        let begun: Vec<_> = begun.into_iter().map(|b| Mutex::new(Some(b))).collect();
-        let outcomes = workers::run(&costs, threads, (monitor, (made, span.1)), &|i, check| {
-            let taken = begun[i].lock().unwrap_or_else(PoisonError::into_inner).take();
-            let again = || self.begin(call, &obstacles, i, inside, &|_| check(0.0));
-            let begun = taken.map_or_else(again, Ok)?;
-            self.end(call, &obstacles, i, begun, &library, inside, check)
+        // Each is worked on by one thread.
+        let begun: Vec<Mutex<Begun>> = begun.into_iter().map(Mutex::new).collect();
+        workers::run(&costs, threads, (monitor, (made, span.1)), &|i, check| {
+            let mut begun = begun[i].lock().unwrap_or_else(PoisonError::into_inner);
+            self.go_on(call, &obstacles, i, &mut begun, &library, inside, check)
         })?;
-        Ok((outcomes, Some(library)))
+        let done =
+            begun.into_iter().map(|b| b.into_inner().unwrap_or_else(PoisonError::into_inner));
+        Ok((done.map(Begun::end).collect(), Some(library)))
     }
 
     /// Fills hole `i` of a call from the first to the last step.
@@ -145,11 +145,11 @@ impl Completer<'_> {
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Outcome> {
         let threads = thread_count(call.options.threads);
-        let begun = self.begin(call, obstacles, i, threads, check)?;
-        match library {
-            Some(library) => self.end(call, obstacles, i, begun, library, threads, check),
-            None => Ok(begun.end()),
+        let mut begun = self.begin(call, obstacles, i, threads, check)?;
+        if let Some(library) = library {
+            self.go_on(call, obstacles, i, &mut begun, library, threads, check)?;
         }
+        Ok(begun.end())
     }
 
     /// Fills a hole smoothly or with a part that was missing.
@@ -202,20 +202,20 @@ impl Completer<'_> {
 
     /// Continues a fill that was begun, from a library that all holes share.
     #[allow(clippy::too_many_arguments)]
-    fn end(
+    fn go_on(
         &self,
         call: &Call<'_>,
         obstacles: &Obstacles<'_>,
         i: usize,
-        begun: Begun,
+        begun: &mut Begun,
         library: &Library,
         threads: usize,
         check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<Outcome> {
+    ) -> Result<()> {
         let clock = Instant::now();
         let &Call { around, options, holes, .. } = call;
-        let Begun { mut fill, standard, seconds } = begun;
-        if let Ok(smooth) = &mut fill {
+        let Begun { fill, standard, seconds } = begun;
+        if let Ok(smooth) = fill {
             let (guidance, candidates) = (&options.guidance, &Cell::new(0));
             let (library, from) = (&library.for_hole(i as u32), standard.as_ref());
             let search = Search { library, from, guidance, candidates, threads };
@@ -225,12 +225,12 @@ impl Completer<'_> {
             if smooth.method != Method::Smooth {
                 let drawn = (holes[i].1, guidance.softness);
                 if let Err(why) = pull_fill(around, obstacles, smooth, drawn, &|_| check(1.0))? {
-                    fill = Err(why);
+                    *fill = Err(why);
                 }
             }
         }
-        let seconds = seconds + clock.elapsed().as_secs_f64();
-        Ok(fill.map(|f| (f, seconds)).map_err(|why| (why, seconds)))
+        *seconds += clock.elapsed().as_secs_f64();
+        Ok(())
     }
 
     /// A smooth fill continued from what the object shows; it stands where nothing on the object serves

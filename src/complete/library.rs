@@ -49,8 +49,8 @@ pub struct Kept {
     pub ranked: Searches<Arc<Vec<Rigid>>>,
     /// The same by [`crate::Method::Warp`].
     pub warped: Searches<Arc<Vec<Rigid>>>,
-    features: Mutex<Option<Arc<Described>>>,
-    symmetries: Mutex<BTreeMap<i32, Arc<Vec<Rigid>>>>,
+    features: Mutex<BTreeMap<(), Arc<Described>>>,
+    symmetries: Mutex<BTreeMap<(), Arc<Vec<Rigid>>>>,
 }
 
 /// What signatures are taken of: all that is known, and what was chosen of it and of exemplars.
@@ -147,7 +147,7 @@ impl Library {
         let symmetries = match self.chosen {
             Some(_) => Arc::default(),
             None => {
-                once(&self.kept.symmetries, 0, || symmetries(&self.known, self.mirrored, check))?
+                once(&self.kept.symmetries, (), || symmetries(&self.known, self.mirrored, check))?
             }
         };
         let make = || {
@@ -177,18 +177,14 @@ impl Library {
         threads: usize,
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Arc<Described>> {
-        let mut kept = self.kept.features.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(features) = kept.as_ref() {
-            return Ok(features.clone());
-        }
         let of = |s: &Source| {
             let curvatures = voted_curvatures(&s.positions, &s.normals, &s.faces, threads, check)?;
             Ok::<_, crate::Error>(Features::new(s, &curvatures))
         };
-        let chosen = self.chosen.as_ref().map(of).transpose()?;
-        let made = Arc::new(Described { known: of(&self.known)?, chosen });
-        *kept = Some(made.clone());
-        Ok(made)
+        once(&self.kept.features, (), || {
+            let chosen = self.chosen.as_ref().map(of).transpose()?;
+            Ok(Described { known: of(&self.known)?, chosen })
+        })
     }
 
     /// The candidates for some windows, which share one radius.
@@ -210,9 +206,9 @@ impl Library {
 }
 
 /// What is kept under a key, made if it is not there: who comes later waits for the first.
-fn once<T>(
-    kept: &Mutex<BTreeMap<i32, Arc<T>>>,
-    key: i32,
+fn once<K: Ord, T>(
+    kept: &Mutex<BTreeMap<K, Arc<T>>>,
+    key: K,
     make: impl FnOnce() -> Result<T>,
 ) -> Result<Arc<T>> {
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);

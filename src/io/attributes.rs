@@ -10,7 +10,7 @@
 
 use super::Document;
 use crate::mesh::{FaceView, VertexView};
-use crate::result::{Completion, NONE};
+use crate::result::Completion;
 use crate::synthesis::appearance::{complete_rows, Known};
 use std::collections::{HashMap, VecDeque};
 
@@ -150,7 +150,7 @@ impl<'a> Patch<'a> {
         let mut copied_from = vec![false; self.completion.holes.len()];
         let origins = self.completion.colours_from().iter();
         for (origin, &hole) in origins.zip(&self.completion.vertex_hole) {
-            if origin.face != NONE && (hole as usize) < copied_from.len() {
+            if !origin.is_nowhere() && (hole as usize) < copied_from.len() {
                 copied_from[hole as usize] = true;
             }
         }

@@ -57,7 +57,7 @@ impl<'a> Places<'a> {
     /// Places on an exemplar are left out: it is another file, of another image.
     fn at(&self, v: u32, hole: u32, source: u32) -> Option<Place> {
         let own = self.new_vertex(v).map(|i| &self.completion.origins[i]);
-        let own = own.filter(|o| o.source == source && o.face != NONE);
+        let own = own.filter(|o| o.source == source && !o.is_nowhere());
         let place = own.map(|o| (o.face, o.barycentric));
         let place = place.or_else(|| self.beside.get(&[v, hole, source]).copied());
         place.filter(|p| (p.0 as usize) < self.triangles)

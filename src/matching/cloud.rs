@@ -85,6 +85,11 @@ impl Cloud {
 }
 
 impl Thinned {
+    /// The hole that a point is completed in; [`NONE`]: it is known.
+    pub fn completion_of(&self, i: usize) -> u32 {
+        self.completion.get(i).copied().unwrap_or(NONE)
+    }
+
     /// Forgets the tints of a source that has none.
     fn painted(self, source: &Source) -> Self {
         Self { tints: self.tints.filter(|_| source.paint.is_some()), ..self }

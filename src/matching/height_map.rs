@@ -160,7 +160,7 @@ impl HeightMap {
                 }
                 for l in 0..LANES {
                     let id = group.ids[l] as usize;
-                    let hole = cloud.thinned.completion.get(id).copied().unwrap_or(NONE);
+                    let hole = cloud.thinned.completion_of(id);
                     if places.within[l] && (hole == NONE || hole != without) {
                         if hole != NONE && !map.completions.contains(&hole) {
                             map.completions.push(hole);

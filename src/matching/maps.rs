@@ -86,13 +86,13 @@ impl Maps {
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
         let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
-        let Thinned { points, normals, completion, .. } = &cloud.thinned;
+        let Thinned { points, normals, .. } = &cloud.thinned;
         let point = |i: usize| Sample {
             point: points[i],
             normal: normals[i],
             roughness: 0.0,
             tint: 0.0,
-            completion: completion.get(i).copied().unwrap_or(NONE),
+            completion: cloud.thinned.completion_of(i),
         };
         let centres = thin((0..points.len()).map(point), spacing, &cloud.axes, check)?;
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
@@ -132,7 +132,7 @@ impl Maps {
 
     /// The centres that a target is compared with, in order.
     pub fn choose(&self, target: &Target<'_>, most: usize, own: u32) -> Vec<u32> {
-        let of = |i: &u32| self.centres.completion.get(*i as usize).copied().unwrap_or(NONE);
+        let of = |i: &u32| self.centres.completion_of(*i as usize);
         let others = |i: &u32| of(i) == NONE || of(i) != own;
         let mut ids: Vec<u32> = (0..self.maps.len() as u32).filter(others).collect();
         // Near means something on the object itself; what was chosen is looked through whole.

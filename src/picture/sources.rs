@@ -82,7 +82,7 @@ impl Colours {
         let input = completion.input_face_count.min(after.faces.len());
         let mut marks: Vec<Option<[u8; 3]>> = vec![None; after.vertices.len()];
         for (i, origin) in completion.origins.iter().enumerate() {
-            if origin.face == NONE || origin.face as usize >= input {
+            if origin.is_nowhere() || origin.face as usize >= input {
                 continue;
             }
             let Some(colour) = self.of_vertex(completion, i) else { continue };
