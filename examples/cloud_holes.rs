@@ -6,7 +6,7 @@ use complete_mesh::io::Document;
 use complete_mesh::mesh::normals::vertex_normals;
 use complete_mesh::options::Grouping;
 use complete_mesh::points::PointHoles;
-use complete_mesh::{find_holes, find_point_holes, MeshView, Monitor, VertexView};
+use complete_mesh::{find_holes, find_point_holes, MeshView, Monitor, Options, VertexView};
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::error::Error;
@@ -119,7 +119,7 @@ fn score(path: &str, asked: &Asked) -> Result<Score, Box<dyn Error>> {
     let truth = find_holes(mesh, &Grouping::Separate, &Monitor::silent())?;
     let (points, edge) = cloud(&document, asked);
     let view: VertexView<'_> = (&points[..]).into();
-    let found = find_point_holes(view, None, &Grouping::Automatic, 0, &Monitor::silent())?;
+    let found = find_point_holes(view, None, &Options::default(), &Monitor::silent())?;
     let ends = |ids: &[u32], at: &dyn Fn(u32) -> [f64; 3]| ids.iter().map(|&v| at(v)).collect();
     let rims: Vec<Vec<[f64; 3]>> =
         truth.loops.iter().map(|l| ends(&l.vertices, &|v| mesh.vertices.get(v as usize))).collect();
@@ -145,7 +145,7 @@ fn score(path: &str, asked: &Asked) -> Result<Score, Box<dyn Error>> {
     for (h, hole) in found.list.holes.iter().enumerate().filter(|(h, _)| !found.borders[*h]) {
         let other = !hole.loops.iter().any(|&l| beside(&made[l], &every, near) >= SHARED);
         let field = found.in_field[h];
-        let seen = [found.agreed[h], field == Some(true), field.is_none()];
+        let seen = [found.in_loops[h], field == Some(true), field.is_none()];
         (0..3).for_each(|k| score.seen[usize::from(other)][k] += usize::from(seen[k]));
         score.others += usize::from(other);
         if asked.list && (other || seen[1..] == [false; 2]) {
@@ -166,7 +166,7 @@ fn tell(found: &PointHoles, h: usize, edge: f64, what: &str) {
         hole.circumference / edge,
         found.missing_in[h],
         found.probability[h],
-        found.agreed[h],
+        found.in_loops[h],
         found.in_field[h],
         hole.centre
     );

@@ -196,11 +196,13 @@ typedef enum complete_mesh_hole_status {
 
 // What finds the holes of a cloud: one bit each, to be added up.
 typedef enum complete_mesh_detector {
-  // The mesh that is laid through the points has a rim there. It is always asked, and finds all holes
-  // that are listed.
+  // The mesh that is laid through the points has a rim there. It finds all holes that are listed.
   COMPLETE_MESH_DETECTOR_SURFACE = 1,
   // Points that are likely to lie on a boundary close a loop there (Bendels et al. 2005).
   COMPLETE_MESH_DETECTOR_BOUNDARY = 2,
+  // Contours of the distance field that are inside and outside meet there (Park et al. 2006). Where the
+  // surface is open it cannot say, and counts as not asked.
+  COMPLETE_MESH_DETECTOR_FIELD = 4,
 } complete_mesh_detector;
 
 // Why points of a cloud were not looked at. They stay where they are.
@@ -211,6 +213,8 @@ typedef enum complete_mesh_ignored {
   COMPLETE_MESH_IGNORED_DUPLICATE = 1,
   // They lie beside the surface.
   COMPLETE_MESH_IGNORED_OUTLIER = 2,
+  // They lie inside a loop that was given.
+  COMPLETE_MESH_IGNORED_INSIDE = 3,
 } complete_mesh_ignored;
 
 // The kinds of elements that an error or a hole's problem can name.
@@ -400,6 +404,23 @@ typedef struct complete_mesh_options {
   // Times that noise is smoothed, 0 to 100; each time about half of what is left goes, and relief below
   // two spacings with it. Read if clean is 1. Default: 3.
   uint32_t clean_rounds;
+  // Holes of a cloud that you give as loops; if any hole is given no others are looked for. One list of
+  // points, 3 or more, for each loop, one list after the other, in order around the hole, either way
+  // round. Where the surface through the points has no edge between two of them the shortest way along its
+  // edges is taken, up to twice their distance. Inside is the smaller part; points there stay, and are not
+  // looked at. Refused for a mesh. Yours; NULL if given_loop_count is 0. Default: NULL.
+  const uint32_t *given_loop_points;
+  // How many points each loop has: given_loop_count numbers, yours; NULL if given_loop_count is 0.
+  // Default: NULL.
+  const uint32_t *given_loop_sizes;
+  // How many loops there are. Default: 0.
+  size_t given_loop_count;
+  // Regions of a cloud in which every gap of a point or more is a hole; if any hole is given no others are
+  // looked for. Four numbers each: the centre and the radius of a ball, in cloud units, that a gap's rim
+  // lies in. Refused for a mesh. Yours; NULL if given_region_count is 0. Default: NULL.
+  const double *given_regions;
+  // How many regions there are. Default: 0.
+  size_t given_region_count;
 } complete_mesh_options;
 
 // One hole. Lengths and positions are in mesh units. Edges of a cloud's hole are those between the
@@ -455,8 +476,7 @@ typedef struct complete_mesh_hole {
   uint32_t candidate_count;
   // 1: the outer border of an open cloud, which is filled only if it is named. Else 0.
   uint32_t is_border;
-  // Which detectors were asked for the holes of a cloud, complete_mesh_detector added up:
-  // complete_mesh_find_point_holes asks all, a completion asks one. 0 for a mesh.
+  // Which detectors could judge this hole of a cloud, complete_mesh_detector added up. 0 for a mesh.
   uint32_t detectors_asked;
   // Which of them find this hole. One that not all agree on may be a sparse place.
   uint32_t detectors_agreed;
@@ -724,12 +744,12 @@ enum complete_mesh_status complete_mesh_points(const void *points,
                                                const struct complete_mesh_options *opts,
                                                struct complete_mesh_result **result);
 
-// Finds and measures the holes of a point cloud and fills nothing. More detectors are asked than for a
-// completion: detectors_agreed of a complete_mesh_hole says which of them find it.
+// Finds and measures the holes of a point cloud and fills nothing; detectors_agreed of a
+// complete_mesh_hole says which detectors find it.
 //
 // points, point_count, normals: as for complete_mesh_points.
-// opts: vertex_type, vertex_stride, grouping, selection, threads and progress count, but all are
-// checked; NULL for the defaults. Holes outside the selection, and outer borders that are not named,
+// opts: vertex_type, vertex_stride, grouping, selection, clean, the given holes, threads and progress count,
+// but all are checked; NULL for the defaults. Holes outside the selection, and outer borders that are not named,
 // are listed as COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED.
 // holes: receives the new list, whose vertices are points, to be freed with complete_mesh_holes_free;
 // NULL on failure.
@@ -745,6 +765,15 @@ enum complete_mesh_status complete_mesh_find_point_holes(const void *points,
 // How far apart the points of a cloud lie: the middle one of the distances to the sixth neighbour. 0
 // for a mesh.
 double complete_mesh_holes_spacing(const struct complete_mesh_holes *holes);
+
+// The places that only the distance field takes for holes of a cloud.
+//
+// count: receives how many places there are; NULL is allowed.
+//
+// Returns their centres, three numbers each, in cloud units; NULL if there are none. The array belongs to
+// holes.
+const double *complete_mesh_holes_only_in_field(const struct complete_mesh_holes *holes,
+                                                size_t *count);
 
 // Points of a cloud that were not looked at.
 //

@@ -56,8 +56,8 @@ pub use guidance::{Guidance, Placement};
 pub use holes::{find_holes, BoundaryLoop, Hole, HoleKind, HoleList};
 pub use mesh::{FaceView, MeshView, VertexView};
 pub use options::{
-    Appearance, Cleaning, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing,
-    Sources,
+    Appearance, Cleaning, Exemplar, Fairing, GivenHole, Grouping, Initial, Method, Options,
+    Selection, Sizing, Sources,
 };
 pub use points::{
     complete_points, complete_points_with, find_point_holes, CleanedPoints, Copied,

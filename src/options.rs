@@ -55,6 +55,22 @@ impl Default for Cleaning {
     }
 }
 
+/// A hole of a point cloud that the caller gives.
+#[derive(Debug, Clone, PartialEq)]
+pub enum GivenHole {
+    /// Indices of three or more points around it, in order, either way round. Where the surface through the
+    /// points has no edge between two of them the loop follows its rims and edges, without a detour. Inside is
+    /// the smaller part; points there stay, and are not looked at.
+    Loop(Vec<u32>),
+    /// A ball: the holes whose rims lie in it; if there are none, the largest gap, of a point or more.
+    Region {
+        /// In cloud units.
+        centre: [f64; 3],
+        /// In cloud units, greater than 0.
+        radius: f64,
+    },
+}
+
 /// The smooth surface that a hole is filled with, or that its coherent fill starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -358,6 +374,9 @@ pub struct Options {
     pub appearance: Option<Arc<Appearance>>,
     /// Of a point cloud: complete a cleaned copy of it; `None`: the points as they are. A mesh is refused.
     pub clean: Option<Cleaning>,
+    /// Of a point cloud: these are its holes, and no others are looked for; empty: they are found. A mesh is
+    /// refused.
+    pub given_holes: Vec<GivenHole>,
     /// Fill the other holes when a selected one is unsafe or fails, and say so in its
     /// [`crate::HoleReport`]; by default such a hole is an error for the whole call.
     pub skip_unsafe: bool,

@@ -4,8 +4,8 @@ use super::arrays::{array, corners, points};
 use super::error::{Failure, Status};
 use super::options::{flag, unknown, COptions};
 use crate::options::{
-    Appearance, Cleaning, Exemplar, Fairing, Grouping, Initial, Method, Options, Selection, Sizing,
-    Sources,
+    Appearance, Cleaning, Exemplar, Fairing, GivenHole, Grouping, Initial, Method, Options,
+    Selection, Sizing, Sources,
 };
 use std::sync::Arc;
 
@@ -62,6 +62,8 @@ impl COptions {
             guidance: unsafe { self.guidance() }?,
             clean: flag("clean", self.clean)?
                 .then_some(Cleaning { rounds: self.clean_rounds as usize }),
+            // SAFETY: as above.
+            given_holes: unsafe { self.given_holes() }?,
             threads: self.threads as usize,
         })
     }
@@ -153,24 +155,50 @@ impl COptions {
             0 => Ok(Grouping::Automatic),
             1 => Ok(Grouping::Separate),
             2 => {
-                // SAFETY: the caller of `checked` answers for the array.
-                let sizes = unsafe { array("join_sizes", self.join_sizes, self.join_count) }?;
-                let total = sizes.iter().fold(0usize, |sum, &s| sum.saturating_add(s as usize));
-                // SAFETY: as above.
-                let vertices = unsafe { array("join_vertices", self.join_vertices, total) }?;
-                let mut rest = &vertices[..];
-                Ok(Grouping::Join(
-                    sizes
-                        .iter()
-                        .map(|&size| {
-                            let (list, after) = rest.split_at(size as usize);
-                            rest = after;
-                            list.to_vec()
-                        })
-                        .collect(),
-                ))
+                let names = ["join_sizes", "join_vertices"];
+                // SAFETY: the caller of `checked` answers for the arrays.
+                let lists =
+                    unsafe { lists(names, self.join_sizes, self.join_count, self.join_vertices) }?;
+                Ok(Grouping::Join(lists))
             }
             other => Err(unknown("grouping", other, "complete_mesh_grouping")),
         }
     }
+
+    unsafe fn given_holes(&self) -> Result<Vec<GivenHole>, Failure> {
+        let names = ["given_loop_sizes", "given_loop_points"];
+        let (sizes, count) = (self.given_loop_sizes, self.given_loop_count);
+        // SAFETY: the caller of `checked` answers for the arrays.
+        let loops = unsafe { lists(names, sizes, count, self.given_loop_points) }?;
+        let numbers = self.given_region_count.saturating_mul(4);
+        // SAFETY: as above.
+        let regions = unsafe { array("given_regions", self.given_regions, numbers) }?;
+        let region = |r: &[f64]| GivenHole::Region { centre: [r[0], r[1], r[2]], radius: r[3] };
+        let loops = loops.into_iter().map(GivenHole::Loop);
+        Ok(loops.chain(regions.chunks_exact(4).map(region)).collect())
+    }
+}
+
+/// Lists of indices that stand one after the other. `names`: of the sizes and of the numbers.
+///
+/// # Safety
+/// There are `count` sizes, and as many numbers as they say.
+unsafe fn lists(
+    names: [&'static str; 2],
+    sizes: *const u32,
+    count: usize,
+    numbers: *const u32,
+) -> Result<Vec<Vec<u32>>, Failure> {
+    // SAFETY: by the contract of this function.
+    let sizes = unsafe { array(names[0], sizes, count) }?;
+    let total = sizes.iter().fold(0usize, |sum, &s| sum.saturating_add(s as usize));
+    // SAFETY: as above.
+    let numbers = unsafe { array(names[1], numbers, total) }?;
+    let mut rest = &numbers[..];
+    let mut next = |&size: &u32| {
+        let (list, after) = rest.split_at(size as usize);
+        rest = after;
+        list.to_vec()
+    };
+    Ok(sizes.iter().map(&mut next).collect())
 }

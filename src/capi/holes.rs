@@ -93,8 +93,7 @@ pub struct CHole {
     pub candidate_count: u32,
     /// 1: the outer border of an open cloud, which is filled only if it is named. Else 0.
     pub is_border: u32,
-    /// Which detectors were asked for the holes of a cloud, complete_mesh_detector added up:
-    /// complete_mesh_find_point_holes asks all, a completion asks one. 0 for a mesh.
+    /// Which detectors could judge this hole of a cloud, complete_mesh_detector added up. 0 for a mesh.
     pub detectors_asked: u32,
     /// Which of them find this hole. One that not all agree on may be a sparse place.
     pub detectors_agreed: u32,
@@ -148,7 +147,9 @@ pub struct Holes {
     /// Of a cloud; else 0.
     pub(super) spacing: f64,
     /// Of a cloud, by [`super::CIgnored`].
-    pub(super) ignored: [Vec<u32>; 3],
+    pub(super) ignored: [Vec<u32>; 4],
+    /// Of a cloud: places that only the distance field takes for holes.
+    pub(super) only_in_field: Vec<f64>,
 }
 
 impl Entry {
@@ -265,6 +266,7 @@ impl Holes {
             duplicate_vertices: flat(&list.duplicate_boundary_vertices),
             spacing: 0.0,
             ignored: Default::default(),
+            only_in_field: Vec::new(),
         }
     }
 
@@ -285,12 +287,12 @@ impl Holes {
 ///
 /// # Safety
 /// `holes` is NULL or alive; `count` is NULL or writable.
-pub(super) unsafe fn list<'a>(
+pub(super) unsafe fn list<'a, T: 'a>(
     holes: *const Holes,
     count: *mut usize,
     per_element: usize,
-    of: impl FnOnce(&'a Holes) -> Option<&'a [u32]>,
-) -> *const u32 {
+    of: impl FnOnce(&'a Holes) -> Option<&'a [T]>,
+) -> *const T {
     // SAFETY: by the contract of this function.
     unsafe { write_out(count, 0) };
     guard_value(std::ptr::null(), || {

@@ -172,6 +172,22 @@ pub struct COptions {
     /// Times that noise is smoothed, 0 to 100; each time about half of what is left goes, and relief below
     /// two spacings with it. Read if clean is 1. Default: 3.
     pub clean_rounds: u32,
+    /// Holes of a cloud that you give as loops; if any hole is given no others are looked for. One list of
+    /// points, 3 or more, for each loop, one list after the other, in order around the hole, either way
+    /// round. Where the surface through the points has no edge between two of them the loop follows its rims
+    /// and edges, without a detour. Inside is the smaller part; points there stay, and are not looked at. Refused for a mesh. Yours; NULL if given_loop_count is 0. Default: NULL.
+    pub given_loop_points: *const u32,
+    /// How many points each loop has: given_loop_count numbers, yours; NULL if given_loop_count is 0.
+    /// Default: NULL.
+    pub given_loop_sizes: *const u32,
+    /// How many loops there are. Default: 0.
+    pub given_loop_count: usize,
+    /// Regions of a cloud: the holes whose rims lie in one; if there are none, the largest gap, of a point or
+    /// more. If any hole is given no others are looked for. Four numbers each: the centre and the radius of a
+    /// ball, in cloud units. Refused for a mesh. Yours; NULL if given_region_count is 0. Default: NULL.
+    pub given_regions: *const f64,
+    /// How many regions there are. Default: 0.
+    pub given_region_count: usize,
 }
 
 /// No version of the struct comes near this: a greater struct_size is garbage.
@@ -236,6 +252,11 @@ impl COptions {
             loose_count: 0,
             clean: 0,
             clean_rounds: Cleaning::default().rounds as u32,
+            given_loop_points: std::ptr::null(),
+            given_loop_sizes: std::ptr::null(),
+            given_loop_count: 0,
+            given_regions: std::ptr::null(),
+            given_region_count: 0,
         }
     }
 

@@ -8,20 +8,20 @@ use super::input::{normals as normals_of, Input};
 use super::options::COptions;
 use super::progress::with_monitor;
 use super::result::MeshResult;
-use crate::points::{
-    check_options, complete_points_with, find_point_holes, select_point_holes, PointHoles,
-};
+use crate::points::{complete_points_with, find_point_holes, select_point_holes, PointHoles};
 use crate::result::HoleReport;
 use std::ffi::c_void;
 
 /// What finds the holes of a cloud: one bit each, to be added up.
 #[repr(C)]
 pub enum CDetector {
-    /// The mesh that is laid through the points has a rim there. It is always asked, and finds all holes
-    /// that are listed.
+    /// The mesh that is laid through the points has a rim there. It finds all holes that are listed.
     Surface = 1,
     /// Points that are likely to lie on a boundary close a loop there (Bendels et al. 2005).
     Boundary = 2,
+    /// Contours of the distance field that are inside and outside meet there (Park et al. 2006). Where the
+    /// surface is open it cannot say, and counts as not asked.
+    Field = 4,
 }
 
 /// Why points of a cloud were not looked at. They stay where they are.
@@ -33,23 +33,30 @@ pub enum CIgnored {
     Duplicate = 1,
     /// They lie beside the surface.
     Outlier = 2,
+    /// They lie inside a loop that was given.
+    Inside = 3,
 }
 
 impl Holes {
     /// All holes and borders of a cloud, with what `reports` say became of them, by id.
     pub(super) fn of_points(found: &PointHoles, reports: &[HoleReport]) -> Self {
         let mut holes = Self::new(&found.list, reports);
-        let (surface, boundary) = (CDetector::Surface as u32, CDetector::Boundary as u32);
+        let bit = |detector: CDetector, is: bool| if is { detector as u32 } else { 0 };
         for (i, info) in holes.entries.iter_mut().map(|e| &mut e.info).enumerate() {
-            let agreed = found.agreed.get(i);
+            let (always, in_field) = (CDetector::Surface as u32, found.in_field[i]);
             info.is_border = u32::from(found.borders[i]);
-            info.detectors_asked = surface + agreed.map_or(0, |_| boundary);
-            info.detectors_agreed = surface + agreed.map_or(0, |&a| if a { boundary } else { 0 });
+            info.detectors_asked =
+                always + CDetector::Boundary as u32 + bit(CDetector::Field, in_field.is_some());
+            info.detectors_agreed = always
+                + bit(CDetector::Boundary, found.in_loops[i])
+                + bit(CDetector::Field, in_field == Some(true));
             info.boundary_probability = found.probability[i];
             info.missing_points = found.missing_in[i];
         }
         holes.spacing = found.spacing;
-        holes.ignored = [&found.missing, &found.doubles, &found.outliers].map(Vec::clone);
+        holes.only_in_field = found.only_in_field.as_flattened().to_vec();
+        holes.ignored =
+            [&found.missing, &found.doubles, &found.outliers, &found.inside].map(Vec::clone);
         holes
     }
 }
@@ -99,12 +106,12 @@ pub unsafe extern "C" fn complete_mesh_points(
     })
 }
 
-/// Finds and measures the holes of a point cloud and fills nothing. More detectors are asked than for a
-/// completion: detectors_agreed of a complete_mesh_hole says which of them find it.
+/// Finds and measures the holes of a point cloud and fills nothing; detectors_agreed of a
+/// complete_mesh_hole says which detectors find it.
 ///
 /// points, point_count, normals: as for complete_mesh_points.
-/// opts: vertex_type, vertex_stride, grouping, selection, threads and progress count, but all are
-/// checked; NULL for the defaults. Holes outside the selection, and outer borders that are not named,
+/// opts: vertex_type, vertex_stride, grouping, selection, clean, the given holes, threads and progress count,
+/// but all are checked; NULL for the defaults. Holes outside the selection, and outer borders that are not named,
 /// are listed as COMPLETE_MESH_HOLE_STATUS_NOT_SELECTED.
 /// holes: receives the new list, whose vertices are points, to be freed with complete_mesh_holes_free;
 /// NULL on failure.
@@ -126,8 +133,6 @@ pub unsafe extern "C" fn complete_mesh_find_point_holes(
         let opts = unsafe { COptions::read(opts) }?;
         // SAFETY: as above.
         let options = unsafe { opts.checked(point_count, 0) }?;
-        options.check()?;
-        check_options(&options)?;
         opts.whole_mesh()?;
         // SAFETY: as above.
         let input = unsafe { Input::new(points, point_count, std::ptr::null(), 0, &opts) }?;
@@ -135,8 +140,7 @@ pub unsafe extern "C" fn complete_mesh_find_point_holes(
         let normals = unsafe { normals_of(normals, point_count, &opts) }?;
         let found = with_monitor(&opts, |monitor| {
             let cloud = input.view.vertices;
-            let found =
-                find_point_holes(cloud, normals, &options.grouping, options.threads, monitor)?;
+            let found = find_point_holes(cloud, normals, &options, monitor)?;
             let mut holes = Holes::of_points(&found, &[]);
             holes.mark_selected(&select_point_holes(cloud, &found, &options.selection)?);
             Ok(holes)
@@ -153,6 +157,21 @@ pub unsafe extern "C" fn complete_mesh_find_point_holes(
 pub unsafe extern "C" fn complete_mesh_holes_spacing(holes: *const Holes) -> f64 {
     // SAFETY: NULL or alive, by the contract of the header.
     guard_value(0.0, || unsafe { holes.as_ref() }.map(|h| h.spacing))
+}
+
+/// The places that only the distance field takes for holes of a cloud.
+///
+/// count: receives how many places there are; NULL is allowed.
+///
+/// Returns their centres, three numbers each, in cloud units; NULL if there are none. The array belongs to
+/// holes.
+#[no_mangle]
+pub unsafe extern "C" fn complete_mesh_holes_only_in_field(
+    holes: *const Holes,
+    count: *mut usize,
+) -> *const f64 {
+    // SAFETY: by the contract of the header.
+    unsafe { list(holes, count, 3, |h| Some(&h.only_in_field)) }
 }
 
 /// Points of a cloud that were not looked at.

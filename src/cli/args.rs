@@ -3,7 +3,9 @@
 use super::failure::Failure;
 use super::guidance::GuidanceArgs;
 use super::sources::SourceArgs;
-use crate::options::{Cleaning, Fairing, Grouping, Method, Options, Selection, Sizing, Sources};
+use crate::options::{
+    Cleaning, Fairing, GivenHole, Grouping, Method, Options, Selection, Sizing, Sources,
+};
 use crate::sample::{Break, Sample};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -67,6 +69,8 @@ pub(super) struct FillArgs {
     pub selection: SelectionArgs,
     #[command(flatten)]
     pub grouping: GroupingArgs,
+    #[command(flatten)]
+    pub given: GivenArgs,
     #[command(flatten)]
     pub sizing: SizingArgs,
     /// Start from this completion of the same mesh, not from a smooth one
@@ -165,6 +169,47 @@ pub(super) struct HolesArgs {
     pub input: PathBuf,
     #[command(flatten)]
     pub grouping: GroupingArgs,
+    #[command(flatten)]
+    pub given: GivenArgs,
+}
+
+/// Holes of a point cloud that are given instead of being found.
+#[derive(Debug, Default, Args)]
+pub(super) struct GivenArgs {
+    /// Of a point cloud: a hole, by the points around it in order; may be repeated. Other holes are not looked
+    /// for
+    #[arg(long = "loop", value_name = "I,I,I,..", value_parser = parse_loop)]
+    pub loops: Vec<Loop>,
+    /// Of a point cloud: the holes in this ball, or the largest gap there; may be repeated. Other holes are not
+    /// looked for
+    #[arg(long = "region", value_name = "X,Y,Z,R", value_parser = parse_region, allow_hyphen_values = true)]
+    pub regions: Vec<[f64; 4]>,
+}
+
+/// Points of a loop; a type of its own, or clap takes it for a repeated argument.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Loop(pub Vec<u32>);
+
+impl GivenArgs {
+    /// The library's given holes.
+    pub fn holes(&self) -> Vec<GivenHole> {
+        let region =
+            |&[x, y, z, radius]: &[f64; 4]| GivenHole::Region { centre: [x, y, z], radius };
+        let loops = self.loops.iter().map(|l| GivenHole::Loop(l.0.clone()));
+        loops.chain(self.regions.iter().map(region)).collect()
+    }
+
+    /// Refuses them for a mesh.
+    pub fn none_of_a_mesh(&self) -> Result<(), Failure> {
+        match self.holes().is_empty() {
+            true => Ok(()),
+            false => Err(Failure::Usage(
+                "--loop and --region take a point cloud; choose among a mesh's holes with --near or \
+                 --near-vertex"
+                    .into(),
+            )),
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -221,6 +266,7 @@ impl FillArgs {
             fairing: self.fairing,
             sizing: self.sizing.sizing(),
             clean: self.clean.map(|rounds| Cleaning { rounds }),
+            given_holes: self.given.holes(),
             skip_unsafe: self.skip_unsafe,
             initial: None,
             sources: Sources::default(),
@@ -312,12 +358,29 @@ fn parse_picture(text: &str) -> Result<PathBuf, String> {
 }
 
 fn parse_point(text: &str) -> Result<[f64; 3], String> {
+    parse_numbers(text, "three", "0.5,-1,2")
+}
+
+fn parse_region(text: &str) -> Result<[f64; 4], String> {
+    parse_numbers(text, "four", "0.5,-1,2,0.1")
+}
+
+fn parse_numbers<const N: usize>(
+    text: &str,
+    count: &str,
+    example: &str,
+) -> Result<[f64; N], String> {
     let parts: Vec<f64> = text
         .split(',')
         .map(|x| x.trim().parse())
         .collect::<Result<_, _>>()
-        .map_err(|_| "use three numbers such as 0.5,-1,2".to_owned())?;
-    parts.try_into().map_err(|p: Vec<f64>| format!("{} numbers instead of three", p.len()))
+        .map_err(|_| format!("use {count} numbers such as {example}"))?;
+    parts.try_into().map_err(|p: Vec<f64>| format!("{} numbers instead of {count}", p.len()))
+}
+
+fn parse_loop(text: &str) -> Result<Loop, String> {
+    let points = text.split(',').map(|p| p.trim().parse()).collect::<Result<_, _>>();
+    points.map(Loop).map_err(|_| "use numbers of points in order such as 12,340,341,97".to_owned())
 }
 
 fn parse_join(text: &str) -> Result<Join, String> {

@@ -45,6 +45,7 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     if document.is_cloud() {
         return points::fill(args, &options, input, document, exemplar.as_ref(), console);
     }
+    args.given.none_of_a_mesh()?;
     if let Some(path) = &args.initial {
         options.initial = Some(Arc::new(initial(path, &document)?));
     }

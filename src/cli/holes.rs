@@ -30,6 +30,7 @@ pub(super) fn run(args: &HolesArgs, console: &Console) -> Result<(), Failure> {
     if document.is_cloud() {
         return super::points::holes(args, &document, console);
     }
+    args.given.none_of_a_mesh()?;
     let mesh = MeshView::new(document.vertices(), document.faces());
     let progress = |fraction: f64, stage: &str| console.progress(fraction, stage);
     let monitor = Monitor::new(&progress);

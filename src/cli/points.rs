@@ -5,7 +5,7 @@ use super::console::{short, Console};
 use super::failure::Failure;
 use super::fill::{describe, tell, tell_warnings, write};
 use super::output::Outputs;
-use super::report::{point_warnings, File, Measured, Report, Warning};
+use super::report::{point_warnings, Detected, File, Measured, Report, Warning};
 use super::{check_interrupt, interrupt};
 use crate::io::{Document, Extras, Format, IoError};
 use crate::options::Options;
@@ -34,13 +34,8 @@ struct Summary {
 struct Hole {
     #[serde(flatten)]
     measured: Measured,
-    border: bool,
-    missing_points: f64,
-    boundary_probability: f64,
-    /// Whether all other detectors that can judge see it, too, and what each says.
-    agreed: bool,
-    boundary_loops: bool,
-    distance_field: Option<bool>,
+    #[serde(flatten)]
+    detected: Detected,
 }
 
 /// The table of a cloud's holes.
@@ -55,7 +50,9 @@ pub(super) fn holes(
     let monitor = Monitor::new(&progress);
     let points = document.vertices();
     let found = interrupt::watched(&monitor, || {
-        find_point_holes(points, normals, &args.grouping.grouping(), 0, &monitor)
+        let (grouping, given_holes) = (args.grouping.grouping(), args.given.holes());
+        let options = Options { grouping, given_holes, ..Options::default() };
+        find_point_holes(points, normals, &options, &monitor)
     })?;
     console.clear();
     console.say(&format!(
@@ -74,25 +71,9 @@ pub(super) fn holes(
              (- where it cannot say: the surface is open)",
         );
     }
-    for p in &found.only_in_field {
-        let at = p.map(short).join(" ");
-        console.say(&format!("only the distance field has a hole at {at}"));
-    }
     for (i, hole) in found.list.holes.iter().enumerate() {
-        let (border, missing_points) = (found.borders[i], found.missing_in[i]);
-        let (measured, boundary_probability) = (Measured::of(hole), found.probability[i]);
-        let (boundary_loops, distance_field) = (found.agreed[i], found.in_field[i]);
-        let agreed = boundary_loops && distance_field != Some(false);
-        let hole = Hole {
-            measured,
-            border,
-            missing_points,
-            boundary_probability,
-            agreed,
-            boundary_loops,
-            distance_field,
-        };
-        console.event("hole", &hole);
+        let (measured, detected) = (Measured::of(hole), Detected::of(&found, i));
+        console.event("hole", &Hole { measured, detected });
     }
     let warnings = point_warnings(&found);
     tell_warnings(&warnings, console);
@@ -127,20 +108,10 @@ fn table(found: &PointHoles) -> String {
             length(m.circumference),
             length(m.diameter),
             m.centre.map(|x| short(if x.abs() < 1e-9 * m.diameter { 0.0 } else { x })).join(" "),
-            seen_by(found.agreed[i], found.in_field[i]),
+            Detected::of(found, i).seen_by(),
         ]
     }));
     super::holes::align(&rows, &[1, 7, 8])
-}
-
-fn seen_by(loops: bool, field: Option<bool>) -> String {
-    let loops = if loops { " loops" } else { "" };
-    let field = match field {
-        Some(true) => " field",
-        Some(false) => "",
-        None => " -",
-    };
-    format!("mesh{loops}{field}")
 }
 
 /// Fills a cloud's holes; `output` has been converted to the format that is written.

@@ -1,5 +1,6 @@
 //! What `--report` writes and `--json` prints. `docs/cli.md` describes every field.
 
+use super::console::short;
 use crate::holes::{Hole, HoleKind, HoleList};
 use crate::mesh::MeshView;
 use crate::options::Options;
@@ -46,6 +47,8 @@ pub(super) struct File {
 pub(super) struct HoleEntry {
     #[serde(flatten)]
     pub measured: Measured,
+    #[serde(flatten)]
+    pub detected: Option<Detected>,
     pub status: &'static str,
     pub reason: Option<String>,
     /// The one that made the fill.
@@ -102,13 +105,50 @@ pub(super) struct Measured {
     pub problem: Option<String>,
 }
 
+/// What is known of a cloud's hole beyond its measures.
+#[derive(Debug, Serialize)]
+pub(super) struct Detected {
+    pub border: bool,
+    pub missing_points: f64,
+    pub boundary_probability: f64,
+    /// Whether no other detector that can judge is against it, and what each says.
+    pub agreed: bool,
+    pub boundary_loops: bool,
+    pub distance_field: Option<bool>,
+}
+
+impl Detected {
+    /// Of one hole, by its id.
+    pub fn of(found: &PointHoles, hole: usize) -> Self {
+        Self {
+            border: found.borders[hole],
+            missing_points: found.missing_in[hole],
+            boundary_probability: found.probability[hole],
+            agreed: found.agreed(hole),
+            boundary_loops: found.in_loops[hole],
+            distance_field: found.in_field[hole],
+        }
+    }
+
+    /// The detectors that see it, for a table or a message.
+    pub fn seen_by(&self) -> String {
+        let loops = if self.boundary_loops { " loops" } else { "" };
+        let field = match self.distance_field {
+            Some(true) => " field",
+            Some(false) => "",
+            None => " -",
+        };
+        format!("mesh{loops}{field}")
+    }
+}
+
 /// Something about the mesh that the user should know; nothing was changed.
 #[derive(Debug, Serialize)]
 pub(super) struct Warning {
     pub kind: &'static str,
     pub message: String,
     pub count: usize,
-    /// The first 20: pairs of vertices, or faces.
+    /// The first 20: pairs of vertices, faces, points, holes, or places.
     pub elements: Vec<Element>,
 }
 
@@ -119,6 +159,8 @@ pub(super) enum Element {
     Vertices([u32; 2]),
     Face(u32),
     Point(u32),
+    Hole(usize),
+    Place([f64; 3]),
 }
 
 impl Measured {
@@ -168,6 +210,7 @@ impl Report {
                 };
                 Some(HoleEntry {
                     measured: Measured::of(hole),
+                    detected: None,
                     status,
                     reason,
                     method: (status == "filled").then(|| report.method.name()),
@@ -207,7 +250,10 @@ impl Report {
     pub fn of_points(input: File, output: File, options: &Options, made: &PointCompletion) -> Self {
         let mut report = Self::new(input, output, options, &made.found.list, &made.completion);
         report.new_faces = 0;
-        report.holes.iter_mut().for_each(|h| h.new_faces = 0);
+        for hole in &mut report.holes {
+            hole.new_faces = 0;
+            hole.detected = Some(Detected::of(&made.found, hole.measured.id));
+        }
         report.warnings = point_warnings(&made.found);
         report
     }
@@ -237,8 +283,48 @@ pub(super) fn point_warnings(found: &PointHoles) -> Vec<Warning> {
             "points lie beside the surface; they stay and were not looked at",
             &found.outliers,
         ),
+        points(
+            "points-inside",
+            "points lie inside a loop that was given; they stay and were not looked at",
+            &found.inside,
+        ),
+        disagreement(found),
+        only_in_field(found),
     ];
     all.into_iter().filter(|w| w.count > 0).collect()
+}
+
+/// The holes that not all detectors see.
+fn disagreement(found: &PointHoles) -> Warning {
+    let all: Vec<usize> =
+        (0..found.list.holes.len()).filter(|&h| !found.borders[h] && !found.agreed(h)).collect();
+    let first = all.first().map(|&h| format!("{h}, seen by: {}", Detected::of(found, h).seen_by()));
+    Warning {
+        kind: "detectors-disagree",
+        message: message(
+            all.len(),
+            "holes are not seen by all detectors; they may be sparse places",
+            first,
+        ),
+        count: all.len(),
+        elements: all.into_iter().take(LISTED).map(Element::Hole).collect(),
+    }
+}
+
+/// The places that only the distance field takes for holes.
+fn only_in_field(found: &PointHoles) -> Warning {
+    let all = &found.only_in_field;
+    let first = all.first().map(|p| p.map(short).join(" "));
+    Warning {
+        kind: "only-distance-field",
+        message: message(
+            all.len(),
+            "places are holes for the distance field alone; give a region there to fill them",
+            first,
+        ),
+        count: all.len(),
+        elements: all.iter().take(LISTED).map(|&p| Element::Place(p)).collect(),
+    }
 }
 
 /// What is odd about the boundary.

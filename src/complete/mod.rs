@@ -176,6 +176,10 @@ impl<'a> Completer<'a> {
             let reason = "only a point cloud is cleaned".into();
             return Err(Error::InvalidOption { name: "clean", reason });
         }
+        if !options.given_holes.is_empty() {
+            let reason = "a mesh has rims: choose among its holes with a selection".into();
+            return Err(Error::InvalidOption { name: "given_holes", reason });
+        }
         let vertices = self.mesh.vertices.len();
         if let Some(appearance) = &options.appearance {
             appearance.check(vertices, &options.sources)?;

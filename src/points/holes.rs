@@ -1,14 +1,16 @@
 //! The mesh through a cloud, its holes in the cloud's own numbers, and the way back.
 
 use super::boundary::probability;
+use super::check_options;
 use super::clean::{clean, Cleaned};
 use super::field::Field;
-use super::neighbours::blocks;
+use super::given::{self, Given};
+use super::neighbours::{blocks, Neighbours};
 use super::normals::normals as make_normals;
 use super::smooth::smooth;
 use super::spanning::{self, agree};
 use super::surface::surface;
-use super::tidy::{tidy, Rim, RimKind};
+use super::tidy::{rims, tidy, Rim, RimKind};
 use super::{
     vertex_normals, CleanedPoints, Completion, Copied, HoleStatus, Origin, PointCompletion,
     Vertices, NONE,
@@ -16,7 +18,7 @@ use super::{
 use crate::error::{Error, Result};
 use crate::holes::{find_holes, HoleKind, HoleList};
 use crate::mesh::{MeshView, VertexView};
-use crate::options::{Appearance, Cleaning, Grouping, Sources};
+use crate::options::{Appearance, Grouping, Options, Sources};
 use crate::progress::Monitor;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -40,12 +42,10 @@ pub struct PointHoles {
     /// from 0.4 a rim is plain to see.
     pub probability: Vec<f64>,
     /// For each hole whether a second detector closes loops where its rims are: a spanning tree of the
-    /// points that are likely to lie on a boundary (Bendels et al. 2005). A hole that is not agreed on
-    /// may be a sparse place. Empty in a completion, which does not ask it.
-    pub agreed: Vec<bool>,
+    /// points that are likely to lie on a boundary (Bendels et al. 2005).
+    pub in_loops: Vec<bool>,
     /// For each hole whether the distance field has one there, a third detector (Park et al. 2006): what
     /// grows inside meets what grows outside. `None` where it cannot say: an open surface has no inside.
-    /// Empty in a completion, which does not ask it.
     pub in_field: Vec<Option<bool>>,
     /// Centres of the places that only the distance field takes for holes.
     pub only_in_field: Vec<[f64; 3]>,
@@ -57,20 +57,32 @@ pub struct PointHoles {
     pub doubles: Vec<u32>,
     /// Points beside the surface; not looked at.
     pub outliers: Vec<u32>,
+    /// Points inside loops that the caller gave; not looked at.
+    pub inside: Vec<u32>,
 }
 
-/// Finds, measures and judges the holes of a cloud. See [`super::complete_points`].
+impl PointHoles {
+    /// Whether no detector that can judge is against a hole, by its id. One that not all agree on may be a
+    /// sparse place.
+    pub fn agreed(&self, hole: usize) -> bool {
+        self.in_loops[hole] && self.in_field[hole] != Some(false)
+    }
+}
+
+/// Finds, measures and judges the holes of a cloud. Of the options grouping, given holes, cleaning and threads
+/// count, but all are checked. See [`super::complete_points`].
 pub fn find_point_holes(
     points: VertexView<'_>,
     normals: Option<VertexView<'_>>,
-    grouping: &Grouping,
-    threads: usize,
+    options: &Options,
     monitor: &Monitor,
 ) -> Result<PointHoles> {
-    let scaffold = Scaffold::asking(points, normals, (Others::Asked, None), threads, monitor)?;
+    options.check()?;
+    check_options(options)?;
+    let scaffold = Scaffold::new(points, normals, options, monitor)?;
     let vertices = scaffold.vertices(points);
     let mesh = MeshView { vertices: vertices.view(), faces: (&scaffold.faces[..]).into() };
-    let grouping = scaffold.local_grouping(mesh, grouping, monitor)?;
+    let grouping = scaffold.local_grouping(mesh, &options.grouping, monitor)?;
     let list = find_holes(mesh, &grouping, monitor)?;
     Ok(scaffold.holes(&list).0)
 }
@@ -84,34 +96,20 @@ pub(super) struct Scaffold {
     /// Where its vertices lie if the points were smoothed.
     pub smoothed: Option<Vec<DVec3>>,
     rims: Vec<Rim>,
+    /// Whether its holes were given.
+    given: bool,
     found: PointHoles,
-}
-
-/// Whether the other detectors are asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Others {
-    Asked,
-    Silent,
 }
 
 impl Scaffold {
     pub fn new(
         cloud: VertexView<'_>,
         given: Option<VertexView<'_>>,
-        clean: Option<Cleaning>,
-        threads: usize,
+        options: &Options,
         monitor: &Monitor,
     ) -> Result<Self> {
-        Self::asking(cloud, given, (Others::Silent, clean), threads, monitor)
-    }
-
-    fn asking(
-        cloud: VertexView<'_>,
-        given: Option<VertexView<'_>>,
-        (others, cleaning): (Others, Option<Cleaning>),
-        threads: usize,
-        monitor: &Monitor,
-    ) -> Result<Self> {
+        let (cleaning, threads) = (options.clean, options.threads);
+        given::check(&options.given_holes, cloud)?;
         monitor.step(0.0, "finding neighbours")?;
         if given.is_some_and(|g| g.len() != cloud.len()) {
             let reason = format!("{} for {} points", given.map_or(0, |g| g.len()), cloud.len());
@@ -119,6 +117,7 @@ impl Scaffold {
         }
         let cleaned = clean(cloud, threads, monitor)?;
         let Cleaned { ids, points, neighbours, spacing, missing, doubles, outliers } = cleaned;
+        let holes = Given::new(&options.given_holes, &ids)?;
         monitor.step(0.01, "orienting normals")?;
         let given: Option<Vec<DVec3>> = given.map(|g| {
             let normal = |&i: &u32| DVec3::from(g.get(i as usize));
@@ -139,30 +138,18 @@ impl Scaffold {
             normals = make_normals(&points, &neighbours, side, threads, monitor)?;
         }
         monitor.step(0.02, "meshing")?;
+        let limits = holes.spacing(&points, &spacing);
         let mut surface =
-            surface(&points, &normals, &neighbours.mutual(), &spacing, threads, monitor)?;
+            surface(&points, &normals, &neighbours.mutual(), &limits, threads, monitor)?;
         monitor.step(MADE, "judging gaps")?;
-        let mut rims = tidy(&mut surface);
-        for rim in &mut rims {
-            let each = |&v: &u32| probability(&points, &normals, &neighbours, v as usize);
-            rim.probability = rim.points.iter().map(each).sum::<f64>() / rim.points.len() as f64;
+        tidy(&mut surface, &holes.balls);
+        let (inside, cut) = holes.cut(&mut surface, &spacing, &ids)?;
+        let mut rims = rims(&surface, &holes.balls);
+        if !holes.is_empty() {
+            holes.mark(&surface, &mut rims, &cut)?;
         }
-        let mut only_in_field = Vec::new();
-        if others == Others::Asked {
-            let each = |v: usize| probability(&points, &normals, &neighbours, v);
-            let likely = blocks(points.len(), threads, monitor, &each)?;
-            let loops = spanning::loops(&points, &neighbours, &likely, monitor)?;
-            let field = Field::new(&points, &normals, &spacing, threads, monitor)?;
-            for rim in &mut rims {
-                rim.agreed = Some(agree(&rim.points, &loops, &neighbours));
-                rim.in_field = field.agrees(&rim.points, &neighbours);
-            }
-            let known: Vec<&[u32]> = rims.iter().map(|r| &r.points[..]).collect();
-            let alone = field.others(&known, &neighbours).into_iter();
-            let at = |v: &u32| points[*v as usize];
-            let centre = |o: Vec<u32>| o.iter().map(at).sum::<DVec3>() / o.len() as f64;
-            only_in_field = alone.map(|o| centre(o).to_array()).collect();
-        }
+        let seen = Seen { points: &points, normals: &normals, neighbours: &neighbours };
+        let only_in_field = seen.ask(&mut rims, &spacing, threads, monitor)?;
         let alive = surface.triangles.iter().zip(&surface.dropped).filter(|t| !t.1);
         let faces: Vec<[u32; 3]> = alive.map(|t| *t.0).collect();
         if faces.is_empty() {
@@ -176,11 +163,13 @@ impl Scaffold {
             missing,
             doubles,
             outliers,
+            inside: inside.iter().map(|&v| ids[v as usize]).collect(),
             only_in_field,
             ..PointHoles::default()
         };
         let smoothed = (rounds > 0).then_some(points);
-        Ok(Self { ids, faces, smoothed, rims, found })
+        let given = !holes.is_empty();
+        Ok(Self { ids, faces, smoothed, rims, given, found })
     }
 
     /// The vertices of the mesh.
@@ -197,7 +186,10 @@ impl Scaffold {
         let mut positions: Vec<[f64; 3]> = (0..cloud.len()).map(|i| cloud.get(i)).collect();
         let mut removed = vec![true; cloud.len()];
         for (k, &i) in self.ids.iter().enumerate() {
-            removed[i as usize] = false;
+            removed[i as usize] = self.found.inside.binary_search(&i).is_ok();
+            if removed[i as usize] {
+                continue;
+            }
             if let Some(points) = &self.smoothed {
                 positions[i as usize] = points[k].to_array();
             }
@@ -237,7 +229,13 @@ impl Scaffold {
                 let groups = list.holes.iter().map(|h| {
                     let length = |i: usize| list.loops[h.loops[i]].length;
                     match h.kind {
-                        HoleKind::Ring if length(1) > BAND * length(0) => h.loops.clone(),
+                        // Of holes that were given, both ends were.
+                        HoleKind::Ring
+                            if length(1) > BAND * length(0)
+                                && (!self.given || h.loops.iter().all(is_hole)) =>
+                        {
+                            h.loops.clone()
+                        }
                         HoleKind::Islands if is_hole(&h.loops[0]) => h.loops.clone(),
                         _ => Vec::new(),
                     }
@@ -285,11 +283,9 @@ impl Scaffold {
             let points: f64 = rims.iter().map(|r| r.points.len() as f64).sum();
             let sum: f64 = rims.iter().map(|r| r.probability * r.points.len() as f64).sum();
             found.probability.push(sum / points.max(1.0));
-            let agreed = rims.iter().try_fold(true, |all, r| Some(all & r.agreed?));
-            let in_field =
-                |_| rims.iter().map(|r| r.in_field).reduce(|a, b| Some(a? && b?)).flatten();
-            found.agreed.extend(agreed);
-            found.in_field.extend(agreed.map(in_field));
+            found.in_loops.push(rims.iter().all(|r| r.in_loops));
+            let in_field = rims.iter().map(|r| r.in_field).reduce(|a, b| Some(a? && b?));
+            found.in_field.push(in_field.flatten());
         }
         (found, numbers)
     }
@@ -359,6 +355,41 @@ impl Scaffold {
         let b = origin.barycentric;
         let k = (0..3).max_by(|&i, &j| b[i].total_cmp(&b[j]).then(j.cmp(&i))).unwrap_or(0);
         self.ids[face[k] as usize]
+    }
+}
+
+/// What the other detectors look at.
+struct Seen<'a> {
+    points: &'a [DVec3],
+    normals: &'a [DVec3],
+    neighbours: &'a Neighbours,
+}
+
+impl Seen<'_> {
+    /// Asks them of each rim. Returns the centres of the places that only the distance field takes for holes.
+    fn ask(
+        &self,
+        rims: &mut [Rim],
+        spacing: &[f64],
+        threads: usize,
+        monitor: &Monitor,
+    ) -> Result<Vec<[f64; 3]>> {
+        let &Self { points, normals, neighbours } = self;
+        let each = |v: usize| probability(points, normals, neighbours, v);
+        let likely = blocks(points.len(), threads, monitor, &each)?;
+        let loops = spanning::loops(points, neighbours, &likely, monitor)?;
+        let field = Field::new(points, normals, spacing, threads, monitor)?;
+        for rim in rims.iter_mut() {
+            let sum: f64 = rim.points.iter().map(|&v| likely[v as usize]).sum();
+            rim.probability = sum / rim.points.len() as f64;
+            rim.in_loops = agree(&rim.points, &loops, neighbours);
+            rim.in_field = field.agrees(&rim.points, neighbours);
+        }
+        let known: Vec<&[u32]> = rims.iter().map(|r| &r.points[..]).collect();
+        let alone = field.others(&known, neighbours).into_iter();
+        let at = |v: &u32| points[*v as usize];
+        let centre = |o: Vec<u32>| o.iter().map(at).sum::<DVec3>() / o.len() as f64;
+        Ok(alone.map(|o| centre(o).to_array()).collect())
     }
 }
 

@@ -7,6 +7,7 @@
 mod boundary;
 mod clean;
 mod field;
+mod given;
 mod holes;
 mod neighbours;
 mod normals;
@@ -108,7 +109,7 @@ pub fn complete_points_with(
     let (clock, cpu) = (Instant::now(), ProcessTime::now());
     options.check()?;
     check_options(options)?;
-    let scaffold = Scaffold::new(points, normals, options.clean, options.threads, monitor)?;
+    let scaffold = Scaffold::new(points, normals, options, monitor)?;
     let cleaned = options.clean.map(|_| scaffold.cleaned(points));
     let vertices = scaffold.vertices(points);
     let mesh = MeshView { vertices: vertices.view(), faces: (&scaffold.faces[..]).into() };
@@ -128,7 +129,7 @@ pub fn complete_points_with(
     let appearance = appearance.transpose()?.map(Arc::new);
     let selection = Selection::Ids(ids);
     let appearance_of = appearance.clone();
-    let own = Options { clean: None, ..options.clone() };
+    let own = Options { clean: None, given_holes: Vec::new(), ..options.clone() };
     let local = Options { selection, grouping, appearance: appearance_of, ..own };
     let made = completer.complete(&local, monitor)?;
     let exemplar = options.sources.exemplar.as_deref();

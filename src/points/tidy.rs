@@ -1,6 +1,7 @@
 //! From the triangles through the points to a mesh whose boundary loops are holes: cracks between
 //! stars that did not agree are closed, triangles that hang on by a corner go, and so do specks.
 
+use super::given::Ball;
 use super::surface::{turn, Surface};
 use crate::mesh::roots::Roots;
 use glam::DVec3;
@@ -15,6 +16,9 @@ const MISSING: f64 = 5.0;
 /// ... and this many for each point of its rim. Both measured on meshes without their faces: chains
 /// of cracks between uneven points have 0 to 0.2, holes from 0.36 on.
 const MISSING_EACH: f64 = 0.3;
+/// In a region that the caller gives a gap may be a hole if so much of a point is missing in it: one is 1, where
+/// the points are even, and a crack has 0.
+const MISSING_GIVEN: f64 = 0.75;
 /// Longest rim that is triangulated to measure it; the time grows with the cube. Longer ones are
 /// holes or borders.
 const MEASURED: usize = 160;
@@ -32,9 +36,9 @@ pub struct Rim {
     pub missing: f64,
     /// Mean boundary probability of its points, once it is known.
     pub probability: f64,
-    /// Whether the loops of [`super::spanning`] agree, if they were asked.
-    pub agreed: Option<bool>,
-    /// Whether the distance field agrees, if it was asked and can say.
+    /// Whether the loops of [`super::spanning`] agree, once they are asked.
+    pub in_loops: bool,
+    /// Whether the distance field agrees, once it is asked and if it can say.
     pub in_field: Option<bool>,
 }
 
@@ -45,29 +49,35 @@ pub enum RimKind {
     Hole,
     /// The whole piece: the outer border of an open surface.
     Border,
+    /// A gap that is too small or too thin for a hole, but lies in a region that the caller gives.
+    Gap,
     /// A gap that is too small or too thin for a hole, and could not be closed.
     Crack,
 }
 
-/// Closes cracks and returns the other rims.
-pub fn tidy(surface: &mut Surface<'_>) -> Vec<Rim> {
+/// Closes cracks, but for gaps in the regions that are given.
+pub fn tidy(surface: &mut Surface<'_>, regions: &[Ball]) {
     drop_small_fans(surface);
     for _ in 0..3 {
-        let closed = close_cracks(surface);
+        let closed = close_cracks(surface, regions);
         let fans = drop_small_fans(surface);
         if closed + fans == 0 {
             break;
         }
     }
     drop_specks(surface);
-    loops(surface).into_iter().map(|points| judge(surface, points).0).collect()
+}
+
+/// The rims of a surface, judged.
+pub fn rims(surface: &Surface<'_>, regions: &[Ball]) -> Vec<Rim> {
+    loops(surface).into_iter().map(|points| judge(surface, points, regions).0).collect()
 }
 
 /// Closes every loop that is no hole; returns how many were.
-fn close_cracks(surface: &mut Surface<'_>) -> usize {
+fn close_cracks(surface: &mut Surface<'_>, regions: &[Ball]) -> usize {
     let mut closed = 0;
     for points in loops(surface) {
-        let (rim, triangles) = judge(surface, points);
+        let (rim, triangles) = judge(surface, points, regions);
         if rim.kind != RimKind::Crack || triangles.is_empty() {
             continue;
         }
@@ -78,30 +88,50 @@ fn close_cracks(surface: &mut Surface<'_>) -> usize {
 }
 
 /// What a loop goes round, and the triangles that close it (none if it is long, or none fit).
-fn judge(surface: &Surface<'_>, points: Vec<u32>) -> (Rim, Vec<[u32; 3]>) {
+fn judge(surface: &Surface<'_>, points: Vec<u32>, regions: &[Ball]) -> (Rim, Vec<[u32; 3]>) {
     let count = points.len();
     let rim = |points, kind, missing| Rim {
         points,
         kind,
         missing,
         probability: 0.0,
-        agreed: None,
+        in_loops: false,
         in_field: None,
     };
     if count >= SMALLEST_RIM && is_border(surface, &points) {
         return (rim(points, RimKind::Border, 0.0), Vec::new());
     }
-    let cover = if count <= MEASURED { cover(surface, &points) } else { None };
+    let Measure { missing, surely, triangles } = measure(surface, &points);
+    let least = MISSING.max(MISSING_EACH * count as f64);
+    let asked = || missing >= MISSING_GIVEN && regions.iter().any(|r| r.has_all(surface, &points));
+    let kind = match count >= SMALLEST_RIM && surely >= least {
+        true => RimKind::Hole,
+        false if asked() => RimKind::Gap,
+        false => RimKind::Crack,
+    };
+    (rim(points, kind, missing), triangles)
+}
+
+/// What a loop goes round, measured.
+pub struct Measure {
+    /// How many points are missing, by the mean triangle around it, and by the larger ones.
+    pub missing: f64,
+    surely: f64,
+    /// Triangles that close it; none if it is long, or none fit.
+    triangles: Vec<[u32; 3]>,
+}
+
+/// Measures a loop.
+pub fn measure(surface: &Surface<'_>, points: &[u32]) -> Measure {
+    let count = points.len();
+    let cover = if count <= MEASURED { cover(surface, points) } else { None };
     let (area, triangles) = match cover {
         Some((area, triangles)) => (area, triangles),
-        None => (newell(surface, &points).length(), Vec::new()),
+        None => (newell(surface, points).length(), Vec::new()),
     };
-    let (each, large) = areas(surface, &points);
-    let missing = inside(area, each, count);
-    let least = MISSING.max(MISSING_EACH * count as f64);
-    let hole = count >= SMALLEST_RIM && inside(area, large, count) >= least;
-    let kind = if hole { RimKind::Hole } else { RimKind::Crack };
-    (rim(points, kind, missing), triangles)
+    let (mean, large) = areas(surface, points);
+    let [missing, surely] = [mean, large].map(|each| inside(area, each, count));
+    Measure { missing, surely, triangles }
 }
 
 /// Points inside a rim of so many points around an area that triangles of area `each` cover (Pick's
@@ -288,7 +318,7 @@ fn drop_small_fans(surface: &mut Surface<'_>) -> usize {
 }
 
 /// The triangles at a point, those that are joined by edges together.
-fn fans(surface: &Surface<'_>, v: u32) -> Vec<Vec<u32>> {
+pub fn fans(surface: &Surface<'_>, v: u32) -> Vec<Vec<u32>> {
     let mut left: Vec<(u32, [u32; 2])> = surface.at(v).map(|s| (s.0, surface.others(s))).collect();
     let mut fans = Vec::new();
     while let Some(first) = left.pop() {

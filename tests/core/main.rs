@@ -5,6 +5,7 @@ mod checker;
 mod coherent;
 mod contract;
 mod fragment;
+mod given;
 mod guidance;
 mod holes;
 mod initial;

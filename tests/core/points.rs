@@ -3,8 +3,8 @@
 use complete_mesh::io::{Document, Extras, Format};
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample};
 use complete_mesh::{
-    complete_points, find_point_holes, Appearance, Cleaning, Error, Grouping, HoleStatus, Method,
-    Monitor, Options, PointCompletion, PointHoles, Selection, Sources,
+    complete_points, find_point_holes, Appearance, Cleaning, Error, HoleStatus, Method, Monitor,
+    Options, PointCompletion, PointHoles, Selection, Sources,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ fn chance(seed: u64) -> f64 {
 }
 
 /// Points evenly over the unit sphere, on a spiral.
-fn sphere(count: usize) -> Vec<[f64; 3]> {
+pub(super) fn sphere(count: usize) -> Vec<[f64; 3]> {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     (0..count)
         .map(|i| {
@@ -30,7 +30,7 @@ fn sphere(count: usize) -> Vec<[f64; 3]> {
 }
 
 /// Where the sphere's three holes are, and their radii.
-const HOLES: [([f64; 3], f64); 3] =
+pub(super) const HOLES: [([f64; 3], f64); 3] =
     [([1.0, 0.0, 0.0], 0.3), ([-0.6, 0.8, 0.0], 0.2), ([0.0, -0.6, -0.8], 0.12)];
 
 fn in_hole(p: &[f64; 3]) -> bool {
@@ -38,21 +38,22 @@ fn in_hole(p: &[f64; 3]) -> bool {
 }
 
 /// The sphere with its holes, and what was taken out.
-fn broken_sphere(count: usize) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+pub(super) fn broken_sphere(count: usize) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
     let (gone, kept) = sphere(count).into_iter().partition(in_hole);
     (kept, gone)
 }
 
 /// Each point moved by noise of this standard deviation along each axis.
-fn noisy(points: &[[f64; 3]], sigma: f64) -> Vec<[f64; 3]> {
+pub(super) fn noisy(points: &[[f64; 3]], sigma: f64) -> Vec<[f64; 3]> {
     let normal = |seed: u64| (0..12).map(|k| chance(12 * seed + k)).sum::<f64>() - 6.0;
     let moved =
         |(i, p): (usize, &[f64; 3])| [0, 1, 2].map(|k| p[k] + sigma * normal((3 * i + k) as u64));
     points.iter().enumerate().map(moved).collect()
 }
 
-fn find(points: &[[f64; 3]]) -> PointHoles {
-    find_point_holes(points.into(), None, &Grouping::Automatic, 1, &Monitor::silent()).unwrap()
+pub(super) fn find(points: &[[f64; 3]]) -> PointHoles {
+    let options = Options { threads: 1, ..Options::default() };
+    find_point_holes(points.into(), None, &options, &Monitor::silent()).unwrap()
 }
 
 fn fill(points: &[[f64; 3]], method: Method) -> PointCompletion {
@@ -61,7 +62,7 @@ fn fill(points: &[[f64; 3]], method: Method) -> PointCompletion {
 }
 
 /// Spacing of so many points on the unit sphere, as of a hexagonal lattice.
-fn spacing(count: usize) -> f64 {
+pub(super) fn spacing(count: usize) -> f64 {
     (4.0 * std::f64::consts::PI / count as f64 / 0.75f64.sqrt()).sqrt()
 }
 
@@ -79,7 +80,7 @@ fn assert_three_holes(found: &PointHoles, what: &str) {
     }
 }
 
-fn nearest(p: [f64; 3], all: &[[f64; 3]]) -> f64 {
+pub(super) fn nearest(p: [f64; 3], all: &[[f64; 3]]) -> f64 {
     let p = DVec3::from(p);
     all.iter().map(|q| p.distance(DVec3::from(*q))).fold(f64::INFINITY, f64::min)
 }
@@ -97,7 +98,7 @@ fn every_hole_is_found_and_no_other() {
     let ratio = missing / gone.len() as f64;
     assert!((0.8..1.3).contains(&ratio), "{ratio} of the points that are missing");
     assert!(found.probability.iter().all(|p| *p > 0.35), "{:?}", found.probability);
-    assert_eq!(found.agreed, [true; 3], "likely points close loops around them");
+    assert_eq!(found.in_loops, [true; 3], "likely points close loops around them");
     assert_eq!(found.in_field, [Some(true); 3], "inner and outer contours meet in them");
     assert!(found.only_in_field.is_empty(), "{:?}", found.only_in_field);
     let rough = find(&noisy(&kept, 0.3 * h / 3f64.sqrt()));
