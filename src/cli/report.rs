@@ -303,7 +303,7 @@ fn disagreement(found: &PointHoles) -> Warning {
         kind: "detectors-disagree",
         message: message(
             all.len(),
-            "holes are not seen by all detectors; they may be sparse places",
+            "holes are not seen by all detectors; they may be sparse places, or cracks",
             first,
         ),
         count: all.len(),

@@ -2,7 +2,7 @@
 //! points, and in a region gaps count that are too small to be found.
 
 use super::surface::Surface;
-use super::tidy::{fans, measure, Rim, RimKind};
+use super::tidy::{fans, measure, rims, Rim, RimKind};
 use crate::error::{Error, Result};
 use crate::mesh::VertexView;
 use crate::options::GivenHole;
@@ -26,7 +26,7 @@ pub struct Given {
     /// Points of each loop.
     loops: Vec<Vec<u32>>,
     /// The regions.
-    pub balls: Vec<Ball>,
+    balls: Vec<Ball>,
 }
 
 /// A region: centre and radius, in cloud units.
@@ -122,23 +122,15 @@ impl Given {
         self.loops.is_empty() && self.balls.is_empty()
     }
 
-    /// The spacings that the surface is to be made with: in a region none is wider than most are in it and
-    /// around it, or triangles would span what is missing there. Where most are sparse that is no gap.
-    pub fn spacing(&self, points: &[DVec3], spacing: &[f64]) -> Vec<f64> {
-        let mut all = spacing.to_vec();
-        for ball in &self.balls {
-            let around = (0..points.len()).filter(|&i| ball.has(points[i], 2.0));
-            let mut near: Vec<f64> = around.map(|i| spacing[i]).collect();
-            if near.is_empty() {
-                continue;
-            }
-            let half = near.len() / 2;
-            let middle = *near.select_nth_unstable_by(half, f64::total_cmp).1;
-            for i in (0..points.len()).filter(|&i| ball.has(points[i], 1.0)) {
-                all[i] = NARROW * all[i].min(middle);
-            }
+    /// The regions in which no hole is found.
+    pub fn without_hole(&self, surface: &Surface<'_>) -> Vec<Ball> {
+        if self.balls.is_empty() {
+            return Vec::new();
         }
-        all
+        let mut found = rims(surface, &[]);
+        found.retain(|r| r.kind == RimKind::Hole);
+        let is_empty = |b: &&Ball| !found.iter().any(|r| b.has_all(surface, &r.points));
+        self.balls.iter().filter(is_empty).copied().collect()
     }
 
     /// Cuts the loops out of the surface. Returns the points inside, which are on it no more, and the rims, in
@@ -149,7 +141,7 @@ impl Given {
         spacing: &[f64],
         ids: &[u32],
     ) -> Result<(Vec<u32>, Vec<Vec<u32>>)> {
-        let (mut inside, mut rims) = (BTreeSet::new(), Vec::new());
+        let (mut inside, mut cut) = (BTreeSet::new(), Vec::new());
         for (l, points) in self.loops.iter().enumerate() {
             let (rim, dropped) = Cut { surface, spacing, ids, l }.run(points)?;
             let own: BTreeSet<u32> = rim.iter().copied().collect();
@@ -158,10 +150,10 @@ impl Given {
                 let corners = surface.triangles[t as usize];
                 inside.extend(corners.iter().filter(|v| !own.contains(v)));
             }
-            rims.push(rim);
+            cut.push(rim);
         }
         // Where only a corner of the surface is left at a point, or none, the rim is no rim.
-        for (l, rim) in rims.iter().enumerate() {
+        for (l, rim) in cut.iter().enumerate() {
             if let Some(&v) = rim.iter().find(|&&v| fans(surface, v).len() != 1) {
                 let p = ids[v as usize];
                 return Err(bad(format!(
@@ -169,7 +161,7 @@ impl Given {
                 )));
             }
         }
-        Ok((inside.into_iter().collect(), rims))
+        Ok((inside.into_iter().collect(), cut))
     }
 
     /// Makes the rims given the only holes. `cut`: those of the loops.
@@ -210,6 +202,25 @@ impl Given {
         }
         Ok(())
     }
+}
+
+/// The spacings that the surface is to be made with so that small gaps show in regions: in them none is wider than
+/// most are there and around, or triangles would span what is missing. Where most are sparse that is no gap.
+pub fn narrow(regions: &[Ball], points: &[DVec3], spacing: &[f64]) -> Vec<f64> {
+    let mut all = spacing.to_vec();
+    for ball in regions {
+        let around = (0..points.len()).filter(|&i| ball.has(points[i], 2.0));
+        let mut near: Vec<f64> = around.map(|i| spacing[i]).collect();
+        if near.is_empty() {
+            continue;
+        }
+        let half = near.len() / 2;
+        let middle = *near.select_nth_unstable_by(half, f64::total_cmp).1;
+        for i in (0..points.len()).filter(|&i| ball.has(points[i], 1.0)) {
+            all[i] = NARROW * spacing[i].min(middle);
+        }
+    }
+    all
 }
 
 /// One loop to be cut out.

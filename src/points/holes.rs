@@ -4,7 +4,7 @@ use super::boundary::probability;
 use super::check_options;
 use super::clean::{clean, Cleaned};
 use super::field::Field;
-use super::given::{self, Given};
+use super::given::{self, narrow, Ball, Given};
 use super::neighbours::{blocks, Neighbours};
 use super::normals::normals as make_normals;
 use super::smooth::smooth;
@@ -138,13 +138,21 @@ impl Scaffold {
             normals = make_normals(&points, &neighbours, side, threads, monitor)?;
         }
         monitor.step(0.02, "meshing")?;
-        let limits = holes.spacing(&points, &spacing);
-        let mut surface =
-            surface(&points, &normals, &neighbours.mutual(), &limits, threads, monitor)?;
+        let linked = neighbours.mutual();
+        let lay = |limits: &[f64], regions: &[Ball]| {
+            let mut made = surface(&points, &normals, &linked, limits, threads, monitor)?;
+            tidy(&mut made, regions);
+            Ok(made)
+        };
+        let mut surface = lay(&spacing, &[])?;
+        let unseen = holes.without_hole(&surface);
+        if !unseen.is_empty() {
+            surface = lay(&narrow(&unseen, &points, &spacing), &unseen)?;
+        }
+        drop(linked);
         monitor.step(MADE, "judging gaps")?;
-        tidy(&mut surface, &holes.balls);
         let (inside, cut) = holes.cut(&mut surface, &spacing, &ids)?;
-        let mut rims = rims(&surface, &holes.balls);
+        let mut rims = rims(&surface, &unseen);
         if !holes.is_empty() {
             holes.mark(&surface, &mut rims, &cut)?;
         }

@@ -78,6 +78,7 @@ static void check_hole(const struct cloud *cloud, const complete_mesh_holes *hol
   CHECK(hole.diameter > 2 * hole_radius && hole.diameter < 2 * hole_radius + 2);
   CHECK(fabs(hole.missing_points - cloud->removed) < 0.15 * cloud->removed);
   CHECK(hole.boundary_probability > 0.4 && hole.boundary_probability <= 1);
+  /* The distance field cannot say: the surface is open. */
   CHECK(hole.detectors_asked == (COMPLETE_MESH_DETECTOR_SURFACE | COMPLETE_MESH_DETECTOR_BOUNDARY));
   CHECK(hole.detectors_agreed == hole.detectors_asked);
   check_rim(cloud, holes, hole.id);
@@ -108,7 +109,7 @@ static void check_ignored(struct cloud cloud, const complete_mesh_holes *without
   size_t n = 7;
   uint32_t kind;
   int k;
-  for (kind = 0; kind <= COMPLETE_MESH_IGNORED_OUTLIER + 1; ++kind) {
+  for (kind = 0; kind <= COMPLETE_MESH_IGNORED_INSIDE + 1; ++kind) {
     CHECK(complete_mesh_holes_ignored_points(without, kind, &n) == NULL && n == 0);
   }
   for (k = 0; k < 3; ++k) {
@@ -126,7 +127,7 @@ static void check_ignored(struct cloud cloud, const complete_mesh_holes *without
   complete_mesh_holes_free(holes);
 }
 
-/* The fill names the same holes, by one detector, and lies on the relief. */
+/* The fill names the same holes, by the same detectors, and lies on the relief. */
 static void check_fill(const struct cloud *cloud, const complete_mesh_holes *listed) {
   complete_mesh_options opts = defaults();
   complete_mesh_result *result = NULL;
@@ -145,7 +146,7 @@ static void check_fill(const struct cloud *cloud, const complete_mesh_holes *lis
     CHECK(n == m && rim != NULL && other != NULL && memcmp(rim, other, n * sizeof *rim) == 0);
     CHECK(a.is_border == b.is_border && fabs(a.missing_points - b.missing_points) < 1e-9);
     CHECK(fabs(a.boundary_probability - b.boundary_probability) < 1e-9);
-    CHECK(a.detectors_asked == COMPLETE_MESH_DETECTOR_SURFACE && a.detectors_agreed == a.detectors_asked);
+    CHECK(a.detectors_asked == b.detectors_asked && a.detectors_agreed == b.detectors_agreed);
     CHECK((a.status == COMPLETE_MESH_HOLE_STATUS_FILLED) == (b.is_border == 0));
   }
   p = (const float *)complete_mesh_result_new_vertices(result);
@@ -153,6 +154,88 @@ static void check_fill(const struct cloud *cloud, const complete_mesh_holes *lis
   for (i = 0; i < n; ++i, p += 3) off += !(fabs(p[2] - 0.3 * sin(0.2 * p[0])) < 0.1);
   CHECK(n > cloud->removed / 2 && off == 0);
   complete_mesh_result_free(result);
+}
+
+/* Points of the unit sphere on a spiral, without those within 0.4 of its pole. */
+static void check_field(void) {
+  static double points[2000][3];
+  static const double region[4] = {0, 0, 1, 0.7}, nothing[4] = {1, 0, 0, 0.3};
+  complete_mesh_options opts = defaults();
+  complete_mesh_holes *holes = NULL;
+  uint32_t count = 0, i;
+  size_t n = 7;
+  for (i = 0; i < 2000; ++i) {
+    const double z = 1 - (2 * i + 1.0) / 2000, r = sqrt(1 - z * z), a = 2.39996322972865332 * i;
+    if (2 - 2 * z < 0.16) continue;
+    points[count][0] = r * cos(a);
+    points[count][1] = r * sin(a);
+    points[count++][2] = z;
+  }
+  opts.vertex_type = COMPLETE_MESH_VERTEX_TYPE_F64;
+  CHECK(complete_mesh_find_point_holes(points, count, NULL, &opts, &holes) == COMPLETE_MESH_STATUS_OK);
+  CHECK(complete_mesh_holes_count(holes) == 1 && get_hole(holes, 0).detectors_asked == 7);
+  CHECK(get_hole(holes, 0).detectors_agreed == 7 && COMPLETE_MESH_DETECTOR_FIELD == 4);
+  CHECK(complete_mesh_holes_only_in_field(holes, &n) == NULL && n == 0);
+  complete_mesh_holes_free(holes);
+  opts.given_regions = region;
+  opts.given_region_count = 1;
+  CHECK(complete_mesh_find_point_holes(points, count, NULL, &opts, &holes) == COMPLETE_MESH_STATUS_OK);
+  CHECK(complete_mesh_holes_count(holes) == 1 && fabs(get_hole(holes, 0).centre[2] - 0.9) < 0.05);
+  complete_mesh_holes_free(holes);
+  opts.given_regions = nothing;
+  CHECK(complete_mesh_find_point_holes(points, count, NULL, &opts, &holes) ==
+        COMPLETE_MESH_STATUS_INVALID_OPTION);
+  CHECK(holes == NULL && strstr(complete_mesh_last_error_message(), "region 0 has no rim") != NULL);
+}
+
+/* The hole's rim, every second point of it, backwards: the same fill as if it were found. Six points around
+ * a node far from it: that one alone is inside. */
+static void check_given(const struct cloud *cloud, const complete_mesh_holes *listed) {
+  complete_mesh_options opts = defaults();
+  complete_mesh_result *found = NULL, *given = NULL;
+  uint32_t loop[NODES], size = 0, around[6], six = 6;
+  size_t n = 0, m = 0, i;
+  const uint32_t *rim = complete_mesh_holes_loop(listed, id_of(listed, 0), 0, &n), *inside;
+  const uint32_t middle = 3 * SIDE + 3;
+  opts.method = COMPLETE_MESH_METHOD_SMOOTH;
+  CHECK(complete_mesh_points(cloud->points, cloud->count, NULL, &opts, &found) ==
+        COMPLETE_MESH_STATUS_OK);
+  for (i = 0; i < n; i += 2) loop[size++] = rim[n - 1 - i];
+  opts.given_loop_points = loop;
+  opts.given_loop_sizes = &size;
+  opts.given_loop_count = 1;
+  CHECK(complete_mesh_points(cloud->points, cloud->count, NULL, &opts, &given) ==
+        COMPLETE_MESH_STATUS_OK);
+  CHECK(complete_mesh_holes_count(complete_mesh_result_holes(given)) == 1);
+  n = complete_mesh_result_new_vertex_count(found);
+  CHECK(n > 0 && n == complete_mesh_result_new_vertex_count(given));
+  CHECK(memcmp(complete_mesh_result_new_vertices(found), complete_mesh_result_new_vertices(given),
+               n * 3 * sizeof(float)) == 0);
+  complete_mesh_result_free(given);
+  complete_mesh_result_free(found);
+  /* Rows of odd numbers lie half a node farther. */
+  around[0] = middle + 1;
+  around[1] = middle + SIDE + 1;
+  around[2] = middle + SIDE;
+  around[3] = middle - 1;
+  around[4] = middle - SIDE;
+  around[5] = middle - SIDE + 1;
+  opts.given_loop_points = around;
+  opts.given_loop_sizes = &six;
+  CHECK(complete_mesh_points(cloud->points, cloud->count, NULL, &opts, &given) ==
+        COMPLETE_MESH_STATUS_OK);
+  inside = complete_mesh_holes_ignored_points(complete_mesh_result_holes(given),
+                                              COMPLETE_MESH_IGNORED_INSIDE, &m);
+  CHECK(m == 1 && inside != NULL && inside[0] == middle);
+  complete_mesh_result_free(given);
+  around[5] = cloud->count;
+  CHECK(complete_mesh_points(cloud->points, cloud->count, NULL, &opts, &given) ==
+        COMPLETE_MESH_STATUS_INVALID_OPTION);
+  CHECK(given == NULL && strstr(complete_mesh_last_error_message(), "loop 0 names point") != NULL);
+  opts.given_loop_points = NULL;
+  CHECK(complete_mesh_points(cloud->points, cloud->count, NULL, &opts, &given) ==
+        COMPLETE_MESH_STATUS_INVALID_ARGUMENT);
+  CHECK(strstr(complete_mesh_last_error_message(), "given_loop_points") != NULL);
 }
 
 /* Doubles, and positions within larger structs: the same loops. */
@@ -220,6 +303,8 @@ void test_points(void) {
   check_ignored(cloud, holes);
   check_fill(&cloud, holes);
   check_forms(&cloud, holes);
+  check_given(&cloud, holes);
+  check_field();
   check_refused(&cloud);
   complete_mesh_holes_free(holes);
 }

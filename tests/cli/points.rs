@@ -60,6 +60,86 @@ fn holes_of_a_cloud_are_listed() {
     assert!(out.contains("mesh loops field"), "{out}");
 }
 
+/// A loop of the table's hole and a region around it give the same file as the hole that is found; the
+/// report says what the detectors see.
+#[test]
+fn holes_of_a_cloud_are_given() {
+    let place = Place::new();
+    let count = cloud(&place, "in.ply");
+    place.expect(0, "fill in.ply -o found.ply --method smooth --report r.json");
+    let report = place.json("r.json");
+    let hole = &report["holes"][0];
+    assert!(hole["distance_field"] == true && hole["boundary_loops"] == true, "{hole}");
+    assert!(hole["agreed"] == true && hole["border"] == false, "{hole}");
+    let (out, _) = place.expect(0, "holes in.ply --json");
+    let all = lines(&out);
+    let listed = all.iter().find(|l| l["event"] == "hole").unwrap();
+    let at = |k: usize| listed["centre"][k].as_f64().unwrap();
+    let radius = listed["diameter"].as_f64().unwrap();
+    let region = format!("{},{},{},{radius}", at(0), at(1), at(2));
+    let rim = complete_mesh::find_point_holes(
+        Document::read(&place.path("in.ply")).unwrap().vertices(),
+        None,
+        &complete_mesh::Options::default(),
+        &complete_mesh::Monitor::silent(),
+    );
+    let rim = rim.unwrap().list.loops[0].vertices.iter().map(u32::to_string).collect::<Vec<_>>();
+    let given = [format!("--region {region}"), format!("--loop {}", rim.join(","))];
+    for flag in given {
+        place.expect(0, &format!("fill in.ply -o given.ply --method smooth {flag}"));
+        assert_eq!(geometry(&place.path("given.ply")), geometry(&place.path("found.ply")));
+        let (out, _) = place.expect(0, &format!("holes in.ply {flag}"));
+        assert!(out.contains("mesh loops field"), "{out}");
+    }
+    for (flag, words) in [
+        ("--loop 1,2", "loop 0 has 2 points".to_owned()),
+        ("--loop 1,2,1", "point 1 twice".to_owned()),
+        (&format!("--loop 1,2,{count}"), format!("names point {count}")),
+        ("--region 9,9,9,0.1", "region 0 has no rim of a gap within 0.1 of 9, 9, 9".to_owned()),
+    ] {
+        let (_, error) = place.expect(4, &format!("fill in.ply -o no.ply {flag}"));
+        assert!(error.contains(&words), "{error}");
+        assert!(place.expect(4, &format!("holes in.ply {flag}")).1.contains(&words));
+    }
+    place.expect(2, "holes in.ply --region 1,2,3");
+    place.expect(2, "holes in.ply --loop 1,x");
+    // A mesh has rims of its own.
+    place.expect(0, "sample column -o mesh.ply --resolution 60");
+    let (_, error) = place.expect(2, "holes mesh.ply --region 0,0,0,1");
+    assert!(error.contains("take a point cloud"), "{error}");
+    assert!(!place.names().contains("no.ply"));
+}
+
+/// A slit in a ball, two spacings wide: too narrow for contours of the distance field to meet in it.
+#[test]
+fn detectors_that_disagree_are_named() {
+    let place = Place::new();
+    let count = 3000;
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let on_ball = |i: usize| {
+        let z = 1.0 - (2 * i + 1) as f64 / count as f64;
+        let (r, a) = ((1.0 - z * z).sqrt(), golden * i as f64);
+        [r * a.cos(), r * a.sin(), z]
+    };
+    let in_slit = |p: &[f64; 3]| p[2].abs() < 0.077 && p[1].atan2(p[0]).abs() < 0.8;
+    let rows = (0..count).map(on_ball).filter(|p| !in_slit(p));
+    let text: String = rows.map(|p| format!("{} {} {}\n", p[0], p[1], p[2])).collect();
+    place.write("in.xyz", &text);
+    let words = "not seen by all detectors; they may be sparse places, or cracks (the first: 0, seen by: mesh loops)";
+    let (out, _) = place.expect(0, "holes in.xyz --json");
+    let all = lines(&out);
+    let hole = all.iter().find(|l| l["event"] == "hole").unwrap();
+    assert!(hole["agreed"] == false && hole["distance_field"] == false, "{hole}");
+    assert!(hole["boundary_loops"] == true, "{hole}");
+    let (_, told) = place.expect(0, "fill in.xyz -o out.xyz --method smooth --report r.json");
+    assert!(told.contains(words), "{told}");
+    let report = place.json("r.json");
+    assert!(report["holes"][0]["agreed"] == false, "{report}");
+    let warning = &report["warnings"][0];
+    assert_eq!((&warning["kind"], &warning["count"]), (&"detectors-disagree".into(), &1.into()));
+    assert_eq!(warning["elements"], serde_json::json!([0]));
+}
+
 /// The input comes back first all the same; the cleaned copy is a file of its own.
 #[test]
 fn a_cleaned_copy_is_completed_and_written() {

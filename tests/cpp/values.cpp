@@ -237,6 +237,7 @@ void check_listed(const mc::MeshView<Scalar>& cloud, const Scalar* normals,
   CHECK(holes[0].boundary_probability == hole.boundary_probability && hole.boundary_probability > 0.4);
   CHECK(holes[0].missing_points == hole.missing_points && std::abs(hole.missing_points - 80) < 16);
   CHECK(holes[0].agreed() && holes[0].is_found_by(mc::Detector::boundary) && !holes[0].is_border);
+  CHECK(holes[0].is_found_by(mc::Detector::field) && holes.only_in_field().empty());
   CHECK(holes[0].status == mc::HoleStatus::open && holes[0].detectors_asked == hole.detectors_asked);
   CHECK(holes.spacing() == complete_mesh_holes_spacing(c) && std::abs(holes.spacing() - 0.09) < 0.02);
   CHECK(holes.ignored_points(mc::Ignored::outlier).empty());
@@ -244,6 +245,28 @@ void check_listed(const mc::MeshView<Scalar>& cloud, const Scalar* normals,
   mc::MeshView<Scalar> less = cloud;
   less.vertex_count = 2;
   CHECK(mc::try_list_point_holes(less).failure().status == mc::Status::invalid_mesh);
+}
+
+// The hole's own rim, or a region around it: the fill is the same as if it were found.
+template <class Scalar>
+void check_given(const mc::MeshView<Scalar>& cloud, const mc::Result<Scalar>& found, const Scalar* normals) {
+  mc::Options loop, region, nothing;
+  const auto rim = found.holes().loop(0, 0);
+  loop.given_loops = {std::vector<std::uint32_t>(rim.begin(), rim.end())};
+  region.given_regions = {{0, 0, 1, 0.6}};
+  for (const mc::Options& options : {loop, region}) {
+    const auto given = mc::complete_points(cloud, normals, options);
+    CHECK(given.holes().size() == 1 && given.new_vertices().size() == found.new_vertices().size());
+    CHECK(same_bytes(given.new_vertices(), found.new_vertices().data(), found.new_vertices().size(),
+                     3 * sizeof(Scalar)));
+    CHECK(given.holes().ignored_points(mc::Ignored::inside).empty());
+  }
+  nothing.given_loops = {{3, 5}};
+  CHECK(mc::try_complete_points(cloud, normals, nothing).failure().status == mc::Status::invalid_option);
+  nothing.given_loops = {};
+  nothing.given_regions = {{0, 0, -1, 0.6}};
+  CHECK(mc::try_list_point_holes(cloud, normals, nothing).failure().message.find("region 0") !=
+        std::string::npos);
 }
 
 // Points of the unit sphere on a spiral, the cap at its top missing.
@@ -282,6 +305,7 @@ void check_points() {
   }
   complete_mesh_result_free(c);
   check_listed(cloud, inward[0].data(), opts);
+  check_given(cloud, result, inward[0].data());
   const Ball<Scalar> ball = make_ball_of<Scalar>();
   const auto mesh = mc::complete(mc::view(ball.vertices, ball.faces));
   CHECK(mesh.new_point_normals().size() == 0 && mesh.new_point_source_points().size() == 0);

@@ -90,7 +90,8 @@ def test_listed_holes(cloud):
     """Each rim is the points along the edge of what was taken out, and all detectors find it."""
     holes = list_holes(cloud)
     assert len(holes) == 2 and abs(holes.spacing - 0.075) < 0.015
-    assert [len(points) for points in holes.ignored_points.values()] == [0, 0, 0]
+    assert [len(points) for points in holes.ignored_points.values()] == [0, 0, 0, 0]
+    assert holes.only_in_field.shape == (0, 3)
     for hole in holes:
         centre, radius = min(HOLES, key=lambda h: np.linalg.norm(hole.centre - h[0]))
         near = np.linalg.norm(cloud - centre, axis=1)
@@ -101,10 +102,72 @@ def test_listed_holes(cloud):
         taken = 3000 * radius**2 / 4  # the share of a cap of chord r is r^2 / 4
         assert abs(hole.missing_points - taken) < 0.2 * taken
         assert hole.boundary_probability > 0.4 and hole.status == "open" and not hole.is_border
-        assert hole.agreed and hole.detectors_asked == ("surface", "boundary")
+        assert hole.agreed and hole.detectors_asked == ("surface", "boundary", "field")
     for hole, filled in zip(holes, complete_points(cloud, method="smooth").holes):
         assert np.array_equal(hole.loops[0], filled.loops[0])
-        assert filled.detectors_asked == filled.detectors_agreed == ("surface",)
+        assert filled.detectors_asked == filled.detectors_agreed == hole.detectors_asked
+
+
+def test_a_loop_is_given(cloud):
+    """The second hole's own rim, backwards and every third point of it: as if it were found and chosen."""
+    found = list_holes(cloud)
+    (rim,) = found[1].loops
+    wanted = complete_points(cloud, method="smooth", selection="ids", selection_ids=[1])
+    for loop in (rim[::-1], rim[::3].tolist()):
+        result = complete_points(cloud, method="smooth", given_loops=[loop])
+        (hole,) = result.holes
+        assert same(result.new_points, wanted.new_points) and np.array_equal(hole.loops[0], rim)
+        assert hole.agreed and "field" in hole.detectors_agreed
+    both = list_holes(cloud, given_loops=[rim, found[0].loops[0]])
+    assert [hole.loops[0].tolist() for hole in both] == [hole.loops[0].tolist() for hole in found]
+
+
+def test_a_loop_takes_in_points(cloud):
+    """Around nothing at the south pole: the surface inside is made anew, on the sphere."""
+    near = np.linalg.norm(cloud - [0, 0, -1], axis=1)
+    ring = np.flatnonzero((near > 0.3) & (near < 0.33))
+    ring = ring[np.argsort(np.arctan2(*cloud[ring, :2].T))]
+    result = complete_points(cloud, method="smooth", given_loops=[ring], clean=0)
+    inside = result.holes.ignored_points["inside"]
+    assert set(np.flatnonzero(near < 0.27)) <= set(inside) and near[inside].max() < 0.34
+    assert result.removed_points[inside].all()
+    assert np.abs(np.linalg.norm(result.new_points, axis=1) - 1).max() < 0.01
+    assert np.linalg.norm(result.new_points - [0, 0, -1], axis=1).max() < 0.36
+    assert 0.7 < len(result.new_points) / len(inside) < 1.3
+
+
+def test_a_region_is_given(cloud):
+    centre, radius = HOLES[0]
+    wanted = complete_points(cloud, method="smooth", selection="near_point", selection_point=centre)
+    result = complete_points(cloud, method="smooth", given_regions=[[*centre, radius + 0.2]])
+    assert same(result.new_points, wanted.new_points) and len(result.holes) == 1
+    # Three points are too few to be found.
+    small = np.argsort(np.linalg.norm(cloud - [0, 1, 0], axis=1))[:3]
+    points = np.delete(cloud, small, axis=0)
+    assert len(list_holes(points)) == 2
+    result = complete_points(points, method="smooth", given_regions=[[0, 1, 0, 0.25]])
+    for p in cloud[small]:
+        assert np.linalg.norm(result.points - p, axis=1).min() < 0.9 * result.holes.spacing
+    assert len(result.new_points) > 1
+
+
+def test_what_cannot_be_given(cloud, broken):
+    n = len(cloud)
+    for given, words in [
+        ({"given_loops": [[1, 2]]}, "loop 0 has 2 points"),
+        ({"given_loops": [[1, 2, 1]]}, "point 1 twice"),
+        ({"given_loops": [[1, 2, n]]}, f"names point {n}"),
+        ({"given_loops": [[0, n // 2, n - 1]]}, "too far apart"),
+        ({"given_regions": [[0, 0, -1, 0.2]]}, "region 0 has no rim"),
+        ({"given_regions": [[0, 0, -1, 0]]}, "radius 0"),
+    ]:
+        with pytest.raises(CompleteMeshError, match=words) as raised:
+            list_holes(cloud, **given)
+        assert raised.value.status is Status.INVALID_OPTION
+    with pytest.raises(ValueError, match="given_regions have the shape"):
+        list_holes(cloud, given_regions=[[0, 0, 1]])
+    with pytest.raises(ValueError, match="given_loops and given_regions are those of a cloud"):
+        list_holes(*broken, given_loops=[[0, 1, 2]])
 
 
 def relief():

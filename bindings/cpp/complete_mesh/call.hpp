@@ -75,13 +75,10 @@ class Call {
     c_.selection_max_edges = options.selection_max_edges;
     c_.selection_length = options.selection_length;
     for (std::size_t k = 0; k < 3; ++k) c_.selection_point[k] = options.selection_point[k];
-    for (const auto& list : options.join_vertices) {
-      join_sizes_.push_back(static_cast<std::uint32_t>(list.size()));
-      join_vertices_.insert(join_vertices_.end(), list.begin(), list.end());
-    }
-    c_.join_vertices = join_vertices_.empty() ? nullptr : join_vertices_.data();
-    c_.join_sizes = join_sizes_.empty() ? nullptr : join_sizes_.data();
-    c_.join_count = join_sizes_.size();
+    join_.set(options.join_vertices, c_.join_vertices, c_.join_sizes, c_.join_count);
+    loops_.set(options.given_loops, c_.given_loop_points, c_.given_loop_sizes, c_.given_loop_count);
+    c_.given_regions = options.given_regions.empty() ? nullptr : options.given_regions[0].data();
+    c_.given_region_count = options.given_regions.size();
     c_.skip_unsafe = options.skip_unsafe ? 1 : 0;
     c_.clean = options.clean ? 1 : 0;
     if (options.clean) c_.clean_rounds = *options.clean;
@@ -180,8 +177,21 @@ class Call {
 
   complete_mesh_options c_;
   const Progress& progress_;
-  std::vector<std::uint32_t> join_vertices_;
-  std::vector<std::uint32_t> join_sizes_;
+  // Lists of indices as C takes them.
+  struct Lists {
+    std::vector<std::uint32_t> numbers, sizes;
+    void set(const std::vector<std::vector<std::uint32_t>>& all, const std::uint32_t*& c_numbers,
+             const std::uint32_t*& c_sizes, std::size_t& c_count) {
+      for (const auto& list : all) {
+        sizes.push_back(static_cast<std::uint32_t>(list.size()));
+        numbers.insert(numbers.end(), list.begin(), list.end());
+      }
+      c_numbers = numbers.empty() ? nullptr : numbers.data();
+      c_sizes = sizes.empty() ? nullptr : sizes.data();
+      c_count = sizes.size();
+    }
+  };
+  Lists join_, loops_;
   std::vector<float> exemplar_, initial_;
   std::optional<Failure> refused_;
   std::exception_ptr thrown_;

@@ -91,13 +91,15 @@ enum class HoleStatus : std::uint32_t {
 // Bits of Hole::detectors_asked and detectors_agreed.
 enum class Detector : std::uint32_t {
   surface = COMPLETE_MESH_DETECTOR_SURFACE,
-  boundary = COMPLETE_MESH_DETECTOR_BOUNDARY
+  boundary = COMPLETE_MESH_DETECTOR_BOUNDARY,
+  field = COMPLETE_MESH_DETECTOR_FIELD
 };
 
 enum class Ignored : std::uint32_t {
   missing = COMPLETE_MESH_IGNORED_MISSING,
   duplicate = COMPLETE_MESH_IGNORED_DUPLICATE,
-  outlier = COMPLETE_MESH_IGNORED_OUTLIER
+  outlier = COMPLETE_MESH_IGNORED_OUTLIER,
+  inside = COMPLETE_MESH_IGNORED_INSIDE
 };
 
 inline const char* to_string(Status status) {

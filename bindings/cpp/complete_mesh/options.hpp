@@ -173,6 +173,11 @@ struct Options {
   // Of a point cloud: complete a cleaned copy, without outliers, its noise smoothed so many times, 3 as a
   // rule; empty: the points as they are. See Result::cleaned_points.
   std::optional<std::uint32_t> clean = {};
+  // Holes of a point cloud that are given; if there are any, no others are looked for. Loops: points around
+  // each in order, either way round. Regions: centre and radius of balls, in which holes, or the largest gap,
+  // lie.
+  std::vector<std::vector<std::uint32_t>> given_loops = {};
+  std::vector<std::array<double, 4>> given_regions = {};
 };
 
 }  // namespace mesh_completion

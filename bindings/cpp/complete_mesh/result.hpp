@@ -51,7 +51,7 @@ struct Hole {
   bool is_found_by(Detector detector) const {
     return (detectors_agreed & static_cast<std::uint32_t>(detector)) != 0;
   }
-  // Whether all detectors find it that were asked.
+  // Whether all detectors find it that can judge; one that they do not may be a sparse place.
   bool agreed() const { return detectors_agreed == detectors_asked; }
 };
 
@@ -139,6 +139,12 @@ class Holes {
   }
   // Of a cloud; 0 for a mesh.
   double spacing() const { return complete_mesh_holes_spacing(get()); }
+  // Centres of the places that only the distance field takes for holes of a cloud.
+  Rows<double, 3> only_in_field() const {
+    std::size_t n = 0;
+    const double* p = complete_mesh_holes_only_in_field(get(), &n);
+    return {p, n};
+  }
   // Points of a cloud that were not looked at.
   View<std::uint32_t> ignored_points(Ignored kind) const {
     std::size_t n = 0;

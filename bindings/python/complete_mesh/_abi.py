@@ -28,8 +28,8 @@ SELECTIONS = (
     "near_vertices",
 )
 HOLE_KINDS = ("disc", "islands", "ring", "several")
-DETECTORS = ("surface", "boundary")
-IGNORED = ("missing", "duplicate", "outlier")
+DETECTORS = ("surface", "boundary", "field")
+IGNORED = ("missing", "duplicate", "outlier", "inside")
 HOLE_STATUSES = ("open", "filled", "not_selected", "unsafe", "failed")
 
 PROGRESS = c.CFUNCTYPE(c_int, c_void_p, c_double, c.c_char_p)
@@ -90,6 +90,11 @@ class Options(c.Structure):
         ("loose_count", c_size_t),
         ("clean", c_uint32),
         ("clean_rounds", c_uint32),
+        ("given_loop_points", c_void_p),
+        ("given_loop_sizes", c_void_p),
+        ("given_loop_count", c_size_t),
+        ("given_regions", c_void_p),
+        ("given_region_count", c_size_t),
     ]
 
 
@@ -173,6 +178,7 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "holes_degenerate_faces": (c_void_p, [c_void_p, _count]),
     "holes_duplicate_vertices": (c_void_p, [c_void_p, _count]),
     "holes_spacing": (c_double, [c_void_p]),
+    "holes_only_in_field": (c_void_p, [c_void_p, _count]),
     "holes_ignored_points": (c_void_p, [c_void_p, c_uint32, _count]),
     "holes_free": (None, [c_void_p]),
     "result_new_vertex_count": (c_size_t, [c_void_p]),

@@ -71,6 +71,12 @@ class Library:
         numbers = copied(address, count.value * width, np.dtype(np.uint32)).astype(np.int64)
         return numbers if width == 1 else numbers.reshape(-1, width)
 
+    def places(self, function: Any, handle: object) -> NDArray[np.float64]:
+        """Points whose number the function gives with them: (count, 3)."""
+        count = c.c_size_t()
+        address = function(handle, c.byref(count))
+        return copied(address, count.value * 3, np.dtype(np.float64)).reshape(-1, 3)
+
 
 def copied(address: int | None, count: int, dtype: np.dtype[Any]) -> NDArray[Any]:
     """A copy of an array of the library; empty for NULL."""

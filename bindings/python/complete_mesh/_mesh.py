@@ -152,6 +152,8 @@ def list_holes(
     selection_max_edges: Optional[int] = None,
     selection_length: Optional[float] = None,
     selection_point: Optional[ArrayLike] = None,
+    given_loops: Sequence[Sequence[int]] = (),
+    given_regions: Optional[ArrayLike] = None,
     threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> Holes:
@@ -159,8 +161,7 @@ def list_holes(
 
     Arguments and errors are those of `complete_mesh`, for a cloud those of `complete_points`. Holes
     outside the selection are listed with the status "not_selected", and so are the outer borders of a
-    cloud that are not named. For a cloud more detectors are asked than for a completion: see
-    `Hole.agreed`.
+    cloud that are not named.
     """
     options = dict(locals())
     for name in ("vertices", "faces", "normals"):
@@ -170,6 +171,8 @@ def list_holes(
         cloud = Cloud(vertices, normals)
         call = Call(lib, cloud.mesh, **options)
         handle = call.run(lib.find_point_holes, lib.holes_free, *cloud.arguments())
+    elif len(given_loops) or given_regions is not None:
+        raise ValueError("given_loops and given_regions are those of a cloud, which has no faces")
     elif normals is None:
         mesh = Mesh(vertices, faces)
         call = Call(lib, mesh, **options)

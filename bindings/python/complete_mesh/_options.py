@@ -65,6 +65,8 @@ class Call:
         part: bool = False,
         loose_vertices: Optional[ArrayLike] = None,
         clean: Union[bool, int] = False,
+        given_loops: Sequence[Sequence[int]] = (),
+        given_regions: Optional[ArrayLike] = None,
         progress: Optional[Progress] = None,
         **selected: Any,
     ) -> None:
@@ -105,6 +107,7 @@ class Call:
         options.clean = clean is not False
         if not isinstance(clean, bool):
             options.clean_rounds = _unsigned("clean", clean)
+        self._set_given(given_loops, given_regions)
         self._set_progress(progress)
 
     def run(self, function: Any, free: Any, *arguments: object) -> c.c_void_p:
@@ -130,10 +133,17 @@ class Call:
         self.options.grouping = _number("grouping", grouping, _abi.GROUPINGS)
         _together("grouping", grouping, ("join",), "join_vertices", lists)
         if lists is not None:
-            of_all = [i for own in lists for i in own]
-            self.options.join_vertices = self._indices("join_vertices", of_all)
-            self.options.join_sizes = self._indices("join_vertices", [len(own) for own in lists])
-            self.options.join_count = len(lists)
+            options = self.options
+            options.join_vertices, options.join_sizes = self._lists("join_vertices", lists)
+            options.join_count = len(lists)
+
+    def _set_given(self, loops: Sequence[Sequence[int]], regions: Optional[ArrayLike]) -> None:
+        options = self.options
+        options.given_loop_points, options.given_loop_sizes = self._lists("given_loops", loops)
+        options.given_loop_count = len(loops)
+        if regions is not None:
+            kept = self._floats("given_regions", regions, 4)
+            options.given_regions, options.given_region_count = kept.ctypes.data, len(kept)
 
     def _set_selection(self, selection: str, given: dict[str, Any]) -> None:
         options = self.options
@@ -206,6 +216,21 @@ class Call:
             self._kept.append(rows)
             self.options.exemplar_values = rows.ctypes.data
 
+    def _lists(
+        self, name: str, lists: Sequence[Sequence[int]]
+    ) -> tuple[Optional[int], Optional[int]]:
+        """The addresses of the numbers of all lists, and of their lengths."""
+        of_all = [i for own in lists for i in own]
+        return self._indices(name, of_all), self._indices(name, [len(own) for own in lists])
+
+    def _floats(self, name: str, given: ArrayLike, width: int) -> NDArray[np.float64]:
+        """A copy, which self keeps."""
+        kept = np.array(given, np.float64, order="C")
+        if kept.ndim != 2 or kept.shape[1] != width:
+            raise ValueError(f"{name} have the shape {kept.shape}, but must be (p, {width})")
+        self._kept.append(kept)
+        return kept
+
     def _indices(self, name: str, numbers: Any) -> Optional[int]:
         """The address of a copy as 32-bit numbers, which self keeps; None if there are none."""
         array = np.asarray(numbers).reshape(-1)
@@ -247,10 +272,7 @@ class Call:
 
     def _set_points(self, points: Optional[ArrayLike], softness: float) -> None:
         if points is not None:
-            kept = np.array(points, np.float64, order="C")
-            if kept.ndim != 2 or kept.shape[1] != 3:
-                raise ValueError(f"constraint_points have the shape {kept.shape}, but must be (p, 3)")
-            self._kept.append(kept)
+            kept = self._floats("constraint_points", points, 3)
             self.options.constraint_points = kept.ctypes.data
             self.options.constraint_count = len(kept)
         self.options.softness = softness

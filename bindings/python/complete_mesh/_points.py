@@ -144,6 +144,8 @@ def complete_points(
     constraint_points: Optional[ArrayLike] = None,
     softness: float = 0.0,
     clean: Union[bool, int] = False,
+    given_loops: Sequence[Sequence[int]] = (),
+    given_regions: Optional[ArrayLike] = None,
     threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> PointResult:
@@ -159,6 +161,12 @@ def complete_points(
         clean: complete a cleaned copy, without outliers, its noise smoothed so many times (0 to 100; True:
             three times). ``points`` of the result are the input's all the same; see
             `PointResult.cleaned_points`.
+        given_loops: holes that are given instead of being found: for each the indices of 3 or more points
+            around it, in order, either way round. Where the surface through the points has no edge between
+            two of them the loop follows its rims and edges, without a detour. Inside is the smaller part;
+            points there stay, and are not looked at.
+        given_regions: (p, 4): the centre and the radius of balls: the holes whose rims lie in one; if there
+            are none, the largest gap, of a point or more. If any hole is given no others are looked for.
 
     The other arguments, and the errors, are those of `complete_mesh`, vertices being points.
     """

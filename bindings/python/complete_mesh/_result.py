@@ -93,9 +93,9 @@ class Hole:
     is_border: bool
     """Of a cloud: the outer border of an open surface, which is filled only if it is named."""
     detectors_asked: tuple[str, ...] = field(repr=False)
-    """Of a cloud: what was asked for holes: "surface", the mesh that is laid through the points, which
-    finds all that are listed; "boundary", loops of likely boundary points (Bendels et al. 2005), which
-    `list_holes` asks and a completion does not. Empty for a mesh."""
+    """Of a cloud: what could judge this hole: "surface", the mesh that is laid through the points, which
+    finds all that are listed; "boundary", loops of likely boundary points (Bendels et al. 2005); "field",
+    contours of the distance field (Park et al. 2006), not where the surface is open. Empty for a mesh."""
     detectors_agreed: tuple[str, ...] = field(repr=False)
     """Which of them find this hole. One that not all agree on may be a sparse place."""
     boundary_probability: float = field(repr=False)
@@ -106,7 +106,7 @@ class Hole:
 
     @property
     def agreed(self) -> bool:
-        """Whether all detectors find it that were asked."""
+        """Whether all detectors find it that could judge."""
         return self.detectors_agreed == self.detectors_asked
 
     def __str__(self) -> str:
@@ -140,7 +140,9 @@ class Holes(Sequence[Hole]):
             for kind, name in enumerate(_abi.IGNORED)
         }
         """Of a cloud, (k,) each: points that were not looked at: "missing" (no coordinates), "duplicate"
-        (at the place of an earlier one) and "outlier" (beside the surface)."""
+        (at the place of an earlier one), "outlier" (beside the surface) and "inside" (a loop given)."""
+        self.only_in_field: NDArray[np.float64] = lib.places(lib.holes_only_in_field, handle)
+        """Of a cloud, (k, 3): centres of the places that only the distance field takes for holes."""
 
     def __len__(self) -> int:
         return len(self._holes)
