@@ -3,35 +3,20 @@
 //! `cargo run --release --example cloud_holes -- [--noise EDGES] [--outliers SHARE] [--list] MESH...`
 
 use complete_mesh::io::Document;
-use complete_mesh::mesh::normals::vertex_normals;
 use complete_mesh::options::Grouping;
 use complete_mesh::points::PointHoles;
 use complete_mesh::{find_holes, find_point_holes, MeshView, Monitor, Options, VertexView};
-use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use scanned::{scan, Scanned};
 use std::error::Error;
+
+mod scanned;
 
 /// Loops of fewer points are not asked for.
 const LEAST: usize = 13;
 /// Share of a rim's points that must lie beside the other, and how near, in mean edges.
 const SHARED: f64 = 0.5;
 const BESIDE: f64 = 2.0;
-/// Outliers lie so many mean edges beside the surface.
-const ASIDE: [f64; 2] = [2.0, 10.0];
-
-/// Even from -1 to 1, the same at each run.
-fn chance(seed: u64) -> f64 {
-    let mut x = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (x >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-}
-
-/// Nearly normal, standard deviation 1: the sum of three even ones.
-fn normal(seed: u64) -> f64 {
-    (0..3).map(|k| chance(3 * seed + k)).sum()
-}
-
 struct Asked {
     noise: f64,
     outliers: f64,
@@ -88,36 +73,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The cloud of a mesh, and its mean edge.
-fn cloud(document: &Document, asked: &Asked) -> (Vec<[f64; 3]>, f64) {
-    let mesh = MeshView::new(document.vertices(), document.faces());
-    let faces: Vec<[u32; 3]> = (0..mesh.faces.len()).map(|f| mesh.faces.get(f)).collect();
-    let at = |v: usize| DVec3::from(mesh.vertices.get(v));
-    let points: Vec<DVec3> = (0..mesh.vertices.len()).map(at).collect();
-    let edges = faces.iter().map(|f| points[f[0] as usize].distance(points[f[1] as usize]));
-    let edge = edges.sum::<f64>() / faces.len() as f64;
-    let normals = vertex_normals(&points, faces.iter().copied());
-    let mut used = vec![false; points.len()];
-    faces.iter().flatten().for_each(|&v| used[v as usize] = true);
-    let kept: Vec<usize> = (0..points.len()).filter(|&v| used[v]).collect();
-    let shaken = |&v: &usize| points[v] + asked.noise * edge * normal(v as u64) * normals[v];
-    let mut all: Vec<DVec3> = kept.iter().map(shaken).collect();
-    let count = (asked.outliers * kept.len() as f64).round() as usize;
-    for i in 0..count {
-        let v = kept[i * kept.len() / count];
-        let [near, far] = ASIDE;
-        let t = chance(v as u64 + 77);
-        let aside = t.signum() * (near + (far - near) * t.abs());
-        all.push(points[v] + edge * aside * normals[v]);
-    }
-    (all.iter().map(|p| p.to_array()).collect(), edge)
-}
-
 fn score(path: &str, asked: &Asked) -> Result<Score, Box<dyn Error>> {
     let document = Document::read(path.as_ref())?;
     let mesh = MeshView::new(document.vertices(), document.faces());
     let truth = find_holes(mesh, &Grouping::Separate, &Monitor::silent())?;
-    let (points, edge) = cloud(&document, asked);
+    let Scanned { points, edge, .. } = scan(mesh, asked.noise, asked.outliers);
     let view: VertexView<'_> = (&points[..]).into();
     let found = find_point_holes(view, None, &Options::default(), &Monitor::silent())?;
     let ends = |ids: &[u32], at: &dyn Fn(u32) -> [f64; 3]| ids.iter().map(|&v| at(v)).collect();

@@ -5,19 +5,14 @@ use complete_mesh::io::Document;
 use complete_mesh::mesh::normals::vertex_normals;
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample};
 use glam::DVec3;
+use scanned::chance;
 use std::fmt::Write;
+
+mod scanned;
 
 /// Noise along the normal, and outliers, as shares of the mean edge and of the points.
 const NOISE: f64 = 0.15;
 const OUTLIERS: f64 = 0.003;
-
-/// Even from -1 to 1, the same at each run.
-fn chance(seed: u64) -> f64 {
-    let mut x = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (x >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("name the file to write: scan.ply")?;
