@@ -2,7 +2,7 @@
 //! rows in vector lanes, less the target's moments where the source knows nothing.
 
 use super::blocks::{Lanes, LANES};
-use super::height_map::{HeightMap, Row, ANGLES, RADII};
+use super::height_map::{HeightMap, Row, ANGLES, RADII, WHOLE};
 
 /// A known bin of a target, for one side.
 pub(super) struct Bin {
@@ -12,8 +12,8 @@ pub(super) struct Bin {
     pub(super) moments: Moments,
 }
 
-/// Moments of a target's bin: weight 1, position (x, y) and height h.
-pub(super) const MOMENTS: usize = 10;
+/// Moments of a target's bin: weight 1, position (x, y) and height h; two places fill up the lanes.
+const MOMENTS: usize = 12;
 pub(super) type Moments = [f32; MOMENTS];
 pub(super) const W: usize = 0;
 pub(super) const X: usize = 1;
@@ -65,6 +65,30 @@ impl SoFar {
                 let mut sums = [0, 1, 2, 3, 4].map(|m| lanes(&with_height[m], turn));
                 sum_heights(&mut sums, bins, height, turn);
                 (0..5).for_each(|m| with_height[m][turn..turn + LANES].copy_from_slice(&sums[m]));
+            }
+        });
+    }
+
+    /// Adds a row's moments at each turn over the bins that the source does not know, or takes those over the
+    /// known ones from the whole row's, whichever are fewer.
+    pub(super) fn add_missing(&mut self, row: &[Bin], known: u64) {
+        if known == WHOLE || row.is_empty() {
+            return;
+        }
+        let missing = self.missing.get_or_insert([[0.0; MOMENTS]; ANGLES]);
+        let few = 2 * known.count_ones() as usize >= ANGLES;
+        let mut whole = [0.0; MOMENTS];
+        if !few {
+            row.iter().for_each(|b| add(&mut whole, &b.moments, 1.0));
+            missing.iter_mut().for_each(|sums| add(sums, &whole, 1.0));
+        }
+        let sign = if few { 1.0 } else { -1.0 };
+        pulp::Arch::new().dispatch(|| {
+            for a in (0..ANGLES).filter(|&a| (known >> a & 1 == 0) == few) {
+                for b in row {
+                    let turn = if a < b.a { a + ANGLES - b.a } else { a - b.a };
+                    add(&mut missing[turn], &b.moments, sign);
+                }
             }
         });
     }
@@ -122,6 +146,11 @@ impl Sums {
         self.dy += d * y;
         self.dd += d * d;
     }
+}
+
+#[inline(always)]
+fn add(sums: &mut Moments, moments: &Moments, sign: f32) {
+    sums.iter_mut().zip(moments).for_each(|(s, m)| *s += sign * m);
 }
 
 /// The turns in whole lanes: the last ones are not used.

@@ -10,8 +10,8 @@
 //! that this takes are five correlations of rows, less the target's moments where the source knows
 //! nothing.
 
-use super::correlation::{Bin, Doubled, SoFar, Sums, MOMENTS};
-use super::height_map::{bin_of, Frame, HeightMap, ANGLES, RADII, WHOLE};
+use super::correlation::{Bin, Doubled, SoFar, Sums};
+use super::height_map::{bin_of, Frame, HeightMap, ANGLES, RADII};
 use super::rigid::Rigid;
 use glam::{DMat3, DVec3};
 
@@ -106,8 +106,8 @@ impl RingPattern {
                 let at = (r as f64 + 0.5) * step;
                 let (x, y) = (at * turn.cos(), at * turn.sin());
                 let h = f64::from(known.height[r][a]);
-                let moments =
-                    [1.0, x, y, h, x * x, x * y, y * y, x * h, y * h, h * h].map(|m| m as f32);
+                let moments = [1.0, x, y, h, x * x, x * y, y * y, x * h, y * h, h * h, 0.0, 0.0];
+                let moments = moments.map(|m| m as f32);
                 // A mirrored source runs around the other way.
                 bins[0].push(Bin { r, a, moments });
                 bins[1].push(Bin { r, a: ANGLES - 1 - a, moments });
@@ -140,7 +140,10 @@ impl RingPattern {
             for (width, found) in self.widths.iter().zip(found.iter_mut()) {
                 let more = &bins[first..width.bins];
                 so_far.add_heights(more, &doubled.height);
-                self.add_missing(&mut so_far, bins, rows..width.rows, &doubled.known);
+                for r in rows..width.rows {
+                    let row = &bins[self.rows[r]..self.rows[r + 1]];
+                    so_far.add_missing(row, doubled.known[r]);
+                }
                 if let Some(tint) = &doubled.tint {
                     so_far.add_tints(more, &self.tints[first..], tint);
                 }
@@ -193,31 +196,6 @@ impl RingPattern {
             keep(turn, plane, cost);
             if kept.len() == TURNS_KEPT {
                 break;
-            }
-        }
-    }
-
-    /// The moments at each turn of the bins of some radii that the source does not know. Few are: sums over
-    /// those that it knows would cost more than all else.
-    fn add_missing(
-        &self,
-        so_far: &mut SoFar,
-        bins: &[Bin],
-        radii: std::ops::Range<usize>,
-        known: &[u64; RADII],
-    ) {
-        for r in radii.filter(|&r| known[r] != WHOLE) {
-            let row = &bins[self.rows[r]..self.rows[r + 1]];
-            if row.is_empty() {
-                continue;
-            }
-            let missing = so_far.missing.get_or_insert([[0.0; MOMENTS]; ANGLES]);
-            for a in (0..ANGLES).filter(|&a| known[r] >> a & 1 == 0) {
-                for b in row {
-                    let turn = if a < b.a { a + ANGLES - b.a } else { a - b.a };
-                    let sums = missing[turn].iter_mut();
-                    sums.zip(&b.moments).for_each(|(s, m)| *s += m);
-                }
             }
         }
     }
@@ -302,7 +280,7 @@ pub fn keep_different(
 #[cfg(test)]
 mod tests {
     use super::super::cloud::tests::known;
-    use super::super::cloud::{thin, Cloud, Sample};
+    use super::super::cloud::{thin, Cloud, Grid, Sample};
     use super::super::height_map::tests::map_at;
     use super::super::source::tests::{hills, hilly_source, some_transform};
     use super::*;
@@ -320,7 +298,8 @@ mod tests {
 
     fn cloud_of(points: impl Iterator<Item = Sample> + Clone) -> Cloud {
         let axes = DMat3::IDENTITY;
-        Cloud::of_points(thin(points, 0.04, &axes, &|| Ok(())).unwrap(), axes, &|| Ok(())).unwrap()
+        let grid = Grid::over(points.clone().map(|p| p.point), 0.04, &axes);
+        Cloud::of_points(thin(points, &grid, &|| Ok(())).unwrap(), axes, &|| Ok(())).unwrap()
     }
 
     /// Where the source shows the same hills, rotated or mirrored, the best candidate of many places

@@ -318,7 +318,9 @@ fn merge(found: Vec<Candidate>, target: &Target<'_>, most: usize) -> Vec<Candida
 
 #[cfg(test)]
 mod tests {
-    use super::super::maps::{cloud_at, cloud_scale, radius_at, scale_of};
+    use super::super::maps::{
+        centre_spacing, centres_on, cloud_at, cloud_scale, radius_at, scale_of,
+    };
     use super::super::rigid::Rigid;
     use super::super::source::tests::{hills, hilly_source, some_transform};
     use super::*;
@@ -354,7 +356,9 @@ mod tests {
     fn maps_of(source: &Source) -> Maps {
         let radius = radius_at(source.edge, scale_of(source.edge, RADIUS));
         let cloud = Arc::new(cloud_at(source, cloud_scale(source, radius), &|| Ok(())).unwrap());
-        Maps::new(source, radius, cloud.clone(), cloud, true, &|| Ok(())).unwrap()
+        let spacing = centre_spacing(source, radius);
+        let centres = Arc::new(centres_on(&cloud, spacing, &|| Ok(())).unwrap());
+        Maps::new(source, radius, [cloud.clone(), cloud], centres, true)
     }
 
     fn polar(t: &Rigid, radii: std::ops::Range<f64>) -> Vec<RingPoint> {
