@@ -82,7 +82,7 @@ impl Cloud {
         axes: DMat3,
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
-        let blocks = Blocks::new(&thinned.points, &thinned.normals, check)?;
+        let blocks = Blocks::new(&thinned, check)?;
         Ok(Self { thinned, blocks, axes })
     }
 }

@@ -12,8 +12,8 @@ pub(super) struct Bin {
     pub(super) moments: Moments,
 }
 
-/// Moments of a target's bin: weight 1, position (x, y) and height h; two places fill up the lanes.
-const MOMENTS: usize = 12;
+/// Moments of a target's bin: weight 1, position (x, y) and height h.
+const MOMENTS: usize = 10;
 pub(super) type Moments = [f32; MOMENTS];
 pub(super) const W: usize = 0;
 pub(super) const X: usize = 1;
@@ -46,7 +46,7 @@ pub(super) struct SoFar {
     /// Of source height times weight, x, y and target height, and of its square.
     pub(super) with_height: [[f32; TURNS]; 5],
     /// Of the target's moments where the source knows nothing.
-    pub(super) missing: Option<[Moments; ANGLES]>,
+    missing: Option<Box<[[f32; TURNS]; MOMENTS]>>,
     /// Of (tint of the target − of the source)².
     pub(super) tints: [f32; ANGLES],
 }
@@ -69,26 +69,18 @@ impl SoFar {
         });
     }
 
-    /// Adds a row's moments at each turn over the bins that the source does not know, or takes those over the
-    /// known ones from the whole row's, whichever are fewer.
+    /// Adds a row's moments at each turn over the bins that the source does not know.
     pub(super) fn add_missing(&mut self, row: &[Bin], known: u64) {
         if known == WHOLE || row.is_empty() {
             return;
         }
-        let missing = self.missing.get_or_insert([[0.0; MOMENTS]; ANGLES]);
-        let few = 2 * known.count_ones() as usize >= ANGLES;
-        let mut whole = [0.0; MOMENTS];
-        if !few {
-            row.iter().for_each(|b| add(&mut whole, &b.moments, 1.0));
-            missing.iter_mut().for_each(|sums| add(sums, &whole, 1.0));
-        }
-        let sign = if few { 1.0 } else { -1.0 };
+        let missing = self.missing.get_or_insert_with(|| Box::new([[0.0; TURNS]; MOMENTS]));
+        let unknown = doubled(&std::array::from_fn(|a| (!known >> a & 1) as f32));
         pulp::Arch::new().dispatch(|| {
-            for a in (0..ANGLES).filter(|&a| (known >> a & 1 == 0) == few) {
-                for b in row {
-                    let turn = if a < b.a { a + ANGLES - b.a } else { a - b.a };
-                    add(&mut missing[turn], &b.moments, sign);
-                }
+            for turn in (0..TURNS).step_by(LANES) {
+                let mut sums: [Lanes; MOMENTS] = std::array::from_fn(|m| lanes(&missing[m], turn));
+                sum_moments(&mut sums, row, &unknown, turn);
+                (0..MOMENTS).for_each(|m| missing[m][turn..][..LANES].copy_from_slice(&sums[m]));
             }
         });
     }
@@ -105,7 +97,7 @@ impl SoFar {
     /// At one turn, from those over the target's bins.
     pub(super) fn at(&self, turn: usize, target: &Sums) -> Sums {
         let target = match &self.missing {
-            Some(missing) => target.without(&missing[turn]),
+            Some(missing) => target.without(std::array::from_fn(|m| missing[m][turn])),
             None => *target,
         };
         target.less(std::array::from_fn(|m| f64::from(self.with_height[m][turn])))
@@ -113,7 +105,7 @@ impl SoFar {
 }
 
 impl Sums {
-    pub(super) fn without(self, moments: &Moments) -> Self {
+    pub(super) fn without(self, moments: Moments) -> Self {
         let m = |k: usize| f64::from(moments[k]);
         Self {
             n: self.n - m(W),
@@ -148,11 +140,6 @@ impl Sums {
     }
 }
 
-#[inline(always)]
-fn add(sums: &mut Moments, moments: &Moments, sign: f32) {
-    sums.iter_mut().zip(moments).for_each(|(s, m)| *s += sign * m);
-}
-
 /// The turns in whole lanes: the last ones are not used.
 pub(super) const TURNS: usize = ANGLES.next_multiple_of(LANES);
 
@@ -179,12 +166,16 @@ impl Doubled {
 /// Each row twice, and on to whole lanes.
 pub(super) fn twice(rows: &[Row; RADII]) -> Twice {
     let mut all = [[0.0; _]; RADII];
-    for (twice, row) in all.iter_mut().zip(rows) {
-        twice[..ANGLES].copy_from_slice(row);
-        twice[ANGLES..2 * ANGLES].copy_from_slice(row);
-        twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
-    }
+    all.iter_mut().zip(rows).for_each(|(twice, row)| *twice = doubled(row));
     all
+}
+
+fn doubled(row: &Row) -> [f32; ANGLES + TURNS] {
+    let mut twice = [0.0; _];
+    twice[..ANGLES].copy_from_slice(row);
+    twice[ANGLES..2 * ANGLES].copy_from_slice(row);
+    twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
+    twice
 }
 
 /// Adds to the sums of some turns, see [`SoFar::with_height`].
@@ -198,6 +189,24 @@ pub(super) fn sum_heights(sums: &mut [Lanes; 5], bins: &[Bin], height: &Twice, t
             sums[2][l] += b.moments[Y] * h[l];
             sums[3][l] += b.moments[H] * h[l];
             sums[4][l] += h[l] * h[l];
+        }
+    }
+}
+
+/// Adds the moments of bins at some turns, by how little is known where they come to lie.
+#[inline(always)]
+fn sum_moments(
+    sums: &mut [Lanes; MOMENTS],
+    bins: &[Bin],
+    unknown: &[f32; ANGLES + TURNS],
+    turn: usize,
+) {
+    for b in bins {
+        let u = lanes(unknown, b.a + turn);
+        for m in 0..MOMENTS {
+            for l in 0..LANES {
+                sums[m][l] += b.moments[m] * u[l];
+            }
         }
     }
 }

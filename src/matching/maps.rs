@@ -45,7 +45,7 @@ const SCALE_STEP: f64 = 1.08;
 const CLOUD_SPACING: f64 = 0.11;
 /// The ratio of one cloud's spacing to the next; wider below the mesh's own edges, where a cloud is made of
 /// several samples a face, which show nothing new.
-const CLOUD_STEPS: [f64; 2] = [1.1, 1.25];
+const CLOUD_STEPS: [f64; 2] = [1.1, 1.5];
 
 /// The scale that serves a hole radius: the least power of 1.08 (times the object's edge) above it.
 pub fn scale_of(edge: f64, radius: f64) -> i32 {
@@ -119,11 +119,12 @@ impl Maps {
         let make = |without: u32| {
             let (centre, normal) = (self.centres.points[c], self.centres.normals[c]);
             let reach = REACH * self.radius;
-            let near = self.cloud.blocks.near(centre, reach);
+            let plane = self.cloud.blocks.near(centre, PLANE * self.radius);
             // Moved onto the surface's mean plane.
-            let mean = self.cloud.blocks.sum_normals(&near, normal, PLANE * self.radius);
+            let mean = self.cloud.blocks.sum_normals(&plane, normal);
             let frame = (mean != DVec3::ZERO)
                 .then(|| Frame::new(centre, mean.normalize(), &self.cloud.axes))?;
+            let near = self.cloud.blocks.near(centre, reach);
             Some(HeightMap::new(&self.cloud, &near, frame, reach, without))
         };
         let map = self.maps[c].get_or_init(|| make(NONE)).as_ref()?;

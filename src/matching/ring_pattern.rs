@@ -106,7 +106,7 @@ impl RingPattern {
                 let at = (r as f64 + 0.5) * step;
                 let (x, y) = (at * turn.cos(), at * turn.sin());
                 let h = f64::from(known.height[r][a]);
-                let moments = [1.0, x, y, h, x * x, x * y, y * y, x * h, y * h, h * h, 0.0, 0.0];
+                let moments = [1.0, x, y, h, x * x, x * y, y * y, x * h, y * h, h * h];
                 let moments = moments.map(|m| m as f32);
                 // A mirrored source runs around the other way.
                 bins[0].push(Bin { r, a, moments });
@@ -171,31 +171,28 @@ impl RingPattern {
         painted: bool,
         keep: &mut dyn FnMut(usize, DVec3, f64),
     ) {
-        let mut best: Vec<(f64, usize, DVec3)> = (0..ANGLES)
-            .filter_map(|turn| {
-                let sums = so_far.at(turn, &width.sums);
-                let (mut cost, plane) = self.cost(&sums, width.bins)?;
-                if painted {
-                    let off = f64::from(so_far.tints[turn]) / sums.n;
-                    cost = cost.hypot(self.paint * off.sqrt());
-                }
-                Some((cost, turn, plane))
-            })
-            .collect();
-        best.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut kept: Vec<usize> = Vec::new();
-        for (cost, turn, plane) in best {
-            let near = |t: &usize| {
-                let d = t.abs_diff(turn);
-                d.min(ANGLES - d) < SAME_TURN
-            };
-            if kept.iter().any(near) {
-                continue;
+        let mut costs = [(f64::INFINITY, DVec3::ZERO); ANGLES];
+        for (turn, at) in costs.iter_mut().enumerate() {
+            let sums = so_far.at(turn, &width.sums);
+            let Some((mut cost, plane)) = self.cost(&sums, width.bins) else { continue };
+            if painted {
+                let off = f64::from(so_far.tints[turn]) / sums.n;
+                cost = cost.hypot(self.paint * off.sqrt());
             }
-            kept.push(turn);
-            keep(turn, plane, cost);
-            if kept.len() == TURNS_KEPT {
+            *at = (cost, plane);
+        }
+        for _ in 0..TURNS_KEPT {
+            let least = |a: &usize, b: &usize| costs[*a].0.total_cmp(&costs[*b].0);
+            let Some(best) = (0..ANGLES).min_by(least).filter(|&b| costs[b].0 < f64::INFINITY)
+            else {
                 break;
+            };
+            keep(best, costs[best].1, costs[best].0);
+            for (turn, at) in costs.iter_mut().enumerate() {
+                let apart = turn.abs_diff(best);
+                if apart.min(ANGLES - apart) < SAME_TURN {
+                    at.0 = f64::INFINITY;
+                }
             }
         }
     }
@@ -213,7 +210,7 @@ impl RingPattern {
         );
         let rhs = DVec3::new(s.d, s.dx, s.dy);
         let plane = m.inverse() * rhs;
-        if !plane.is_finite() || plane.y.hypot(plane.z) > MOST_TILT {
+        if !plane.is_finite() || plane.y * plane.y + plane.z * plane.z > MOST_TILT * MOST_TILT {
             return None;
         }
         let left = (s.dd - plane.dot(rhs)).max(0.0) / s.n;
