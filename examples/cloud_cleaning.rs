@@ -87,7 +87,9 @@ fn measure(whole: &SampleMesh, broken: &SampleMesh, noise: f64) -> Result<Sums, 
     let cloud = scan(broken.view(), noise, OUTLIERS);
     let (points, good) = (&cloud.points, cloud.normals.len());
     let clean = Some(Cleaning::default());
-    let options = Options { method: Method::Smooth, clean, ..Options::default() };
+    // What becomes of the holes does not matter here.
+    let options =
+        Options { method: Method::Smooth, clean, skip_unsafe: true, ..Options::default() };
     let made = complete_points(&points[..], None, &options)?;
     let cleaned = made.cleaned.ok_or("no cleaned copy")?;
     let corner = |v: u32| DVec3::from(whole.vertices[v as usize].map(f64::from));

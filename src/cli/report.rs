@@ -319,7 +319,7 @@ fn only_in_field(found: &PointHoles) -> Warning {
         kind: "only-distance-field",
         message: message(
             all.len(),
-            "places are holes for the distance field alone; give a region there to fill them",
+            "places are holes for the distance field alone, which takes tight folds for some",
             first,
         ),
         count: all.len(),
