@@ -1,14 +1,11 @@
 //! The mesh through a cloud, its holes in the cloud's own numbers, and the way back.
 
-use super::boundary::probability;
 use super::check_options;
 use super::clean::{clean, Cleaned};
-use super::field::Field;
+use super::detectors::Seen;
 use super::given::{self, narrow, Ball, Given};
-use super::neighbours::{blocks, Neighbours};
 use super::normals::normals as make_normals;
 use super::smooth::smooth;
-use super::spanning::{self, agree};
 use super::surface::surface;
 use super::tidy::{rims, tidy, Rim, RimKind};
 use super::{
@@ -363,41 +360,6 @@ impl Scaffold {
         let b = origin.barycentric;
         let k = (0..3).max_by(|&i, &j| b[i].total_cmp(&b[j]).then(j.cmp(&i))).unwrap_or(0);
         self.ids[face[k] as usize]
-    }
-}
-
-/// What the other detectors look at.
-struct Seen<'a> {
-    points: &'a [DVec3],
-    normals: &'a [DVec3],
-    neighbours: &'a Neighbours,
-}
-
-impl Seen<'_> {
-    /// Asks them of each rim. Returns the centres of the places that only the distance field takes for holes.
-    fn ask(
-        &self,
-        rims: &mut [Rim],
-        spacing: &[f64],
-        threads: usize,
-        monitor: &Monitor,
-    ) -> Result<Vec<[f64; 3]>> {
-        let &Self { points, normals, neighbours } = self;
-        let each = |v: usize| probability(points, normals, neighbours, v);
-        let likely = blocks(points.len(), threads, monitor, &each)?;
-        let loops = spanning::loops(points, neighbours, &likely, monitor)?;
-        let field = Field::new(points, normals, spacing, threads, monitor)?;
-        for rim in rims.iter_mut() {
-            let sum: f64 = rim.points.iter().map(|&v| likely[v as usize]).sum();
-            rim.probability = sum / rim.points.len() as f64;
-            rim.in_loops = agree(&rim.points, &loops, neighbours);
-            rim.in_field = field.agrees(&rim.points, neighbours);
-        }
-        let known: Vec<&[u32]> = rims.iter().map(|r| &r.points[..]).collect();
-        let alone = field.others(&known, neighbours).into_iter();
-        let at = |v: &u32| points[*v as usize];
-        let centre = |o: Vec<u32>| o.iter().map(at).sum::<DVec3>() / o.len() as f64;
-        Ok(alone.map(|o| centre(o).to_array()).collect())
     }
 }
 

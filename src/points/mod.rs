@@ -6,6 +6,7 @@
 
 mod boundary;
 mod clean;
+mod detectors;
 mod field;
 mod given;
 mod holes;
