@@ -406,18 +406,18 @@ typedef struct complete_mesh_options {
   uint32_t clean_rounds;
   // Holes of a cloud that you give as loops; if any hole is given no others are looked for. One list of
   // points, 3 or more, for each loop, one list after the other, in order around the hole, either way
-  // round. Where the surface through the points has no edge between two of them the shortest way along its
-  // edges is taken, up to twice their distance. Inside is the smaller part; points there stay, and are not
-  // looked at. Refused for a mesh. Yours; NULL if given_loop_count is 0. Default: NULL.
+  // round. Where the surface through the points has no edge between two of them the loop follows its rims
+  // and edges, without a detour. Inside is the smaller part; points there stay, and are not looked at.
+  // Refused for a mesh. Yours; NULL if given_loop_count is 0. Default: NULL.
   const uint32_t *given_loop_points;
   // How many points each loop has: given_loop_count numbers, yours; NULL if given_loop_count is 0.
   // Default: NULL.
   const uint32_t *given_loop_sizes;
   // How many loops there are. Default: 0.
   size_t given_loop_count;
-  // Regions of a cloud in which every gap of a point or more is a hole; if any hole is given no others are
-  // looked for. Four numbers each: the centre and the radius of a ball, in cloud units, that a gap's rim
-  // lies in. Refused for a mesh. Yours; NULL if given_region_count is 0. Default: NULL.
+  // Regions of a cloud: the holes whose rims lie in one; if there are none, the largest gap that
+  // shows. If any hole is given no others are looked for. Four numbers each: the centre and the radius of a
+  // ball, in cloud units. Refused for a mesh. Yours; NULL if given_region_count is 0. Default: NULL.
   const double *given_regions;
   // How many regions there are. Default: 0.
   size_t given_region_count;

@@ -62,7 +62,7 @@ pub enum GivenHole {
     /// points has no edge between two of them the loop follows its rims and edges, without a detour. Inside is
     /// the smaller part; points there stay, and are not looked at.
     Loop(Vec<u32>),
-    /// A ball: the holes whose rims lie in it; if there are none, the largest gap, of a point or more.
+    /// A ball: the holes whose rims lie in it; if there are none, the largest gap that shows.
     Region {
         /// In cloud units.
         centre: [f64; 3],

@@ -175,15 +175,16 @@ pub struct COptions {
     /// Holes of a cloud that you give as loops; if any hole is given no others are looked for. One list of
     /// points, 3 or more, for each loop, one list after the other, in order around the hole, either way
     /// round. Where the surface through the points has no edge between two of them the loop follows its rims
-    /// and edges, without a detour. Inside is the smaller part; points there stay, and are not looked at. Refused for a mesh. Yours; NULL if given_loop_count is 0. Default: NULL.
+    /// and edges, without a detour. Inside is the smaller part; points there stay, and are not looked at.
+    /// Refused for a mesh. Yours; NULL if given_loop_count is 0. Default: NULL.
     pub given_loop_points: *const u32,
     /// How many points each loop has: given_loop_count numbers, yours; NULL if given_loop_count is 0.
     /// Default: NULL.
     pub given_loop_sizes: *const u32,
     /// How many loops there are. Default: 0.
     pub given_loop_count: usize,
-    /// Regions of a cloud: the holes whose rims lie in one; if there are none, the largest gap, of a point or
-    /// more. If any hole is given no others are looked for. Four numbers each: the centre and the radius of a
+    /// Regions of a cloud: the holes whose rims lie in one; if there are none, the largest gap that
+    /// shows. If any hole is given no others are looked for. Four numbers each: the centre and the radius of a
     /// ball, in cloud units. Refused for a mesh. Yours; NULL if given_region_count is 0. Default: NULL.
     pub given_regions: *const f64,
     /// How many regions there are. Default: 0.

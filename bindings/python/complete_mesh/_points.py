@@ -166,7 +166,7 @@ def complete_points(
             two of them the loop follows its rims and edges, without a detour. Inside is the smaller part;
             points there stay, and are not looked at.
         given_regions: (p, 4): the centre and the radius of balls: the holes whose rims lie in one; if there
-            are none, the largest gap, of a point or more. If any hole is given no others are looked for.
+            are none, the largest gap that shows. If any hole is given no others are looked for.
 
     The other arguments, and the errors, are those of `complete_mesh`, vertices being points.
     """
