@@ -123,6 +123,11 @@ impl Library {
         Self { known: self.known.for_hole(own), ..self.clone() }
     }
 
+    /// Whether all that is known may be copied from, and nothing else.
+    pub fn is_whole(&self) -> bool {
+        self.chosen.is_none()
+    }
+
     /// What may be copied from.
     pub fn source(&self) -> &Source {
         self.chosen.as_ref().unwrap_or(&self.known)
@@ -148,12 +153,7 @@ impl Library {
         let chosen = self.chosen.as_ref().map(|s| self.cloud(s, 1, radius, check)).transpose()?;
         let of_source = chosen.unwrap_or_else(|| known.clone());
         // An exemplar lies elsewhere.
-        let symmetries = match self.chosen {
-            Some(_) => Arc::default(),
-            None => {
-                once(&self.kept.symmetries, (), || symmetries(&self.known, self.mirrored, check))?
-            }
-        };
+        let symmetries = if self.is_whole() { self.symmetries(check)? } else { Arc::default() };
         once(&self.kept.maps, scale, || {
             let source = self.source();
             let spacing = centre_spacing(source, radius);
@@ -165,6 +165,11 @@ impl Library {
             let maps = Maps::new(source, radius, clouds, centres, self.mirrored);
             Ok(maps.with_symmetries(symmetries))
         })
+    }
+
+    /// What may carry the object onto itself.
+    pub fn symmetries(&self, check: &dyn Fn() -> Result<()>) -> Result<Arc<Vec<Rigid>>> {
+        once(&self.kept.symmetries, (), || symmetries(&self.known, self.mirrored, check))
     }
 
     /// Maps of a source of another size, which are not kept.
