@@ -97,6 +97,7 @@ class Input {
       if (auto failure = translate(options.selection_ids)) return failure;
     for (auto& list : options.join_vertices)
       if (auto failure = translate(list)) return failure;
+    if (auto failure = translate(options.loose_vertices)) return failure;
     if (auto failure = translate_flags(options.source_faces)) return failure;
     if (auto failure = translate_values(options.vertex_values, options.value_channels)) return failure;
     for (auto& face : options.initial.faces)

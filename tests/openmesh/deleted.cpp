@@ -158,6 +158,38 @@ void options_are_translated() {
   CHECK(failed.failure().vertices == std::vector<std::uint32_t>{SOUTH + 2});
 }
 
+// A loose rim is named by handles: the fill is that of the mesh without its deleted elements.
+template <class Mesh>
+void loose_vertices_are_translated() {
+  Mesh mesh;
+  make_damaged(mesh);
+  const Live<Mesh> live;
+  mc::Options own, others;
+  own.method = others.method = mc::Method::smooth;
+  const auto list = om::list_holes(mesh, own);
+  for (const mc::Hole& hole : list.holes) {
+    const auto loop = list.loop(list.holes, hole.id, 0);
+    if (std::count(loop.begin(), loop.end(), VertexHandle(SOUTH + 1)) == 0) continue;
+    for (const VertexHandle v : loop) {
+      own.loose_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
+      const auto at = std::find(live.vertex_of.begin(), live.vertex_of.end(), v.idx());
+      others.loose_vertices.push_back(static_cast<std::uint32_t>(at - live.vertex_of.begin()));
+    }
+  }
+  if (!CHECK(own.loose_vertices.size() == 6 && own.loose_vertices != others.loose_vertices)) return;
+  mc::Options refused = own;
+  refused.loose_vertices.push_back(SOUTH);
+  CHECK(om::try_complete(mesh, refused).status() == mc::Status::invalid_argument);
+  const auto fill = om::complete(mesh, own);
+  const auto expected = mc::complete(mc::view(live.vertices, live.faces), others);
+  const auto points = expected.new_vertices();
+  if (!CHECK(fill.vertices.size() == points.size())) return;
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    wrong += std::memcmp(&mesh.point(fill.vertices[i])[0], points[i].data(), sizeof points[i]) != 0;
+  CHECK(wrong == 0);
+}
+
 // A deleted vertex may lie anywhere, even nowhere.
 template <class Mesh>
 void deleted_points_do_not_count() {
@@ -185,6 +217,7 @@ void test_deleted() {
   handles_are_kept<Mesh>();
   garbage_is_collected<Mesh>();
   options_are_translated<Mesh>();
+  loose_vertices_are_translated<Mesh>();
   deleted_points_do_not_count<Mesh>();
   hidden_faces_are_no_holes<Mesh>();
 }
