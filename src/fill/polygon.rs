@@ -24,6 +24,28 @@ pub struct Polygon {
     pub beyond: Vec<Beyond>,
 }
 
+impl Polygon {
+    /// Which loop each corner is of: 0 for that of the first corner. A walk comes back over each bridge.
+    pub fn loops(&self) -> Vec<u32> {
+        let (mut under_way, mut count) = (vec![0], 0);
+        let mut loops = Vec::with_capacity(self.corners.len());
+        for (edge, beyond) in self.beyond.iter().enumerate() {
+            loops.push(under_way.last().copied().unwrap_or(0));
+            match beyond {
+                Beyond::Face(_) => {}
+                Beyond::Bridge(twin) if *twin > edge => {
+                    count += 1;
+                    under_way.push(count);
+                }
+                Beyond::Bridge(_) => {
+                    under_way.pop();
+                }
+            }
+        }
+        loops
+    }
+}
+
 /// A loop as the bridges see it: vertices and the normals of the faces at its edges.
 pub struct Rim {
     /// Patch vertices in the order in which a fill runs along them.
