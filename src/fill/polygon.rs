@@ -195,3 +195,33 @@ impl Walk {
         Polygon { corners, beyond }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A large square with two small ones in a row beside its middle: one bridge starts where another ends.
+    #[test]
+    fn corners_know_their_loops() {
+        let square =
+            |x: f64, r: f64| [[-r, -r], [r, -r], [r, r], [-r, r]].map(|p| [x + p[0], p[1]]);
+        let corners = [square(0.0, 5.0), square(3.0, 0.5), square(1.0, 0.5)];
+        let positions: Vec<DVec3> =
+            corners.iter().flatten().map(|p| DVec3::new(p[0], p[1], 0.0)).collect();
+        let rim = |l: u32| Rim {
+            vertices: match l {
+                0 => (0..4).collect(),
+                _ => (4 * l..4 * l + 4).rev().collect(),
+            },
+            normals: vec![DVec3::Z; 4],
+        };
+        let polygon = join_loops(&positions, &[rim(0), rim(1), rim(2)]);
+        // Twelve corners, and two ends more for each of two bridges.
+        assert_eq!(polygon.corners.len(), 16);
+        let loops = polygon.loops();
+        for (a, b) in (0..16).flat_map(|a| (0..16).map(move |b| (a, b))) {
+            let same_rim = polygon.corners[a] / 4 == polygon.corners[b] / 4;
+            assert_eq!(loops[a] == loops[b], same_rim, "{:?} {loops:?}", polygon.corners);
+        }
+    }
+}
