@@ -204,12 +204,12 @@ impl Cost {
     pub fn of(vertices: usize, area: f64) -> Self {
         let n = vertices as f64;
         let maps = (10.0 * n).clamp(400.0, 4000.0).min(11.0 * area);
-        Self { search: 0.06 + 4e-5 * maps + 1.2e-4 * n, looks: 0.01 + 6.5e-4 * n }
+        Self { search: 0.03 + 3e-5 * maps + 1e-4 * n, looks: 0.01 + 6.5e-4 * n }
     }
 
-    /// Making the library of a mesh.
+    /// Making the library of a mesh, with its symmetries.
     pub fn of_library(vertices: usize) -> f64 {
-        1.1e-6 * vertices as f64
+        0.01 + 1.5e-6 * vertices as f64
     }
 
     /// All of it.

@@ -86,10 +86,13 @@ impl Begun {
         self.standard.as_ref().or(self.fill.as_ref().ok())
     }
 
+    fn new_vertices(&self) -> usize {
+        self.fill.as_ref().map_or(0, |fill| fill.patch.positions.len() - fill.patch.rim_count)
+    }
+
     /// What its completion costs, about.
     fn cost(&self) -> f64 {
-        let new = |fill: &Fill| fill.patch.positions.len() - fill.patch.rim_count;
-        Cost::of(self.fill.as_ref().map_or(0, new), f64::INFINITY).all()
+        Cost::of(self.new_vertices(), f64::INFINITY).all()
     }
 
     /// As it is.
@@ -123,7 +126,12 @@ impl Completer<'_> {
         let making = Cost::of_library(self.mesh.vertices.len());
         let made = middle + (span.1 - middle) * making / (making + costs.iter().sum::<f64>());
         let check = |part: f64| monitor.step(middle + (made - middle) * part, "looking around");
-        let library = self.library_of(call, &begun, &check)?;
+        let library = self.library_of(call, &begun, &|part| check(0.5 * part))?;
+        let search = begun.iter().any(|b| b.new_vertices() >= coherent::LEAST);
+        if search && call.options.method == Method::Coherent && library.is_whole() {
+            // Here, where there is progress for it: whichever hole came first would wait for them.
+            library.symmetries(&|| check(0.5))?;
+        }
         // Each is worked on by one thread.
         let begun: Vec<Mutex<Begun>> = begun.into_iter().map(Mutex::new).collect();
         workers::run(&costs, threads, (monitor, (made, span.1)), &|i, check| {

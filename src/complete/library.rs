@@ -6,8 +6,10 @@ use super::harary::Initial;
 use super::searches::Searches;
 use crate::descriptor::voting::voted_curvatures;
 use crate::error::Result;
-use crate::matching::cloud::Cloud;
-use crate::matching::maps::{cloud_at, cloud_scale, radius_at, scale_of, Maps};
+use crate::matching::cloud::{Cloud, Thinned};
+use crate::matching::maps::{
+    centre_spacing, centres_on, cloud_at, cloud_scale, radius_at, scale_of, Maps,
+};
 use crate::matching::paint::Paint;
 use crate::matching::rigid::Rigid;
 use crate::matching::ring_pattern::Candidate;
@@ -42,6 +44,8 @@ pub struct Kept {
     maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
     /// Of what is known, and of what was chosen.
     clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
+    /// On such a cloud of the source, so far apart.
+    centres: Mutex<BTreeMap<(i32, u64), Arc<Thinned>>>,
     found: Searches<Found>,
     /// Searches among sources of other sizes.
     pub scaled: Searches<Transforms>,
@@ -119,6 +123,11 @@ impl Library {
         Self { known: self.known.for_hole(own), ..self.clone() }
     }
 
+    /// Whether all that is known may be copied from, and nothing else.
+    pub fn is_whole(&self) -> bool {
+        self.chosen.is_none()
+    }
+
     /// What may be copied from.
     pub fn source(&self) -> &Source {
         self.chosen.as_ref().unwrap_or(&self.known)
@@ -144,17 +153,23 @@ impl Library {
         let chosen = self.chosen.as_ref().map(|s| self.cloud(s, 1, radius, check)).transpose()?;
         let of_source = chosen.unwrap_or_else(|| known.clone());
         // An exemplar lies elsewhere.
-        let symmetries = match self.chosen {
-            Some(_) => Arc::default(),
-            None => {
-                once(&self.kept.symmetries, (), || symmetries(&self.known, self.mirrored, check))?
-            }
-        };
-        let make = || {
-            let maps = Maps::new(self.source(), radius, of_source, known, self.mirrored, check)?;
+        let symmetries = if self.is_whole() { self.symmetries(check)? } else { Arc::default() };
+        once(&self.kept.maps, scale, || {
+            let source = self.source();
+            let spacing = centre_spacing(source, radius);
+            // Small holes share them.
+            let key = (cloud_scale(source, radius), spacing.to_bits());
+            let make = || centres_on(&of_source, spacing, check);
+            let centres = once(&self.kept.centres, key, make)?;
+            let clouds = [of_source.clone(), known];
+            let maps = Maps::new(source, radius, clouds, centres, self.mirrored);
             Ok(maps.with_symmetries(symmetries))
-        };
-        once(&self.kept.maps, scale, make)
+        })
+    }
+
+    /// What may carry the object onto itself.
+    pub fn symmetries(&self, check: &dyn Fn() -> Result<()>) -> Result<Arc<Vec<Rigid>>> {
+        once(&self.kept.symmetries, (), || symmetries(&self.known, self.mirrored, check))
     }
 
     /// Maps of a source of another size, which are not kept.
@@ -168,7 +183,8 @@ impl Library {
         let radius = radius_at(edge, scale_of(edge, radius));
         let known = self.cloud(&self.known, 0, radius, check)?;
         let own = Arc::new(cloud_at(source, cloud_scale(source, radius), check)?);
-        Maps::new(source, radius, own, known, self.mirrored, check)
+        let centres = Arc::new(centres_on(&own, centre_spacing(source, radius), check)?);
+        Ok(Maps::new(source, radius, [own, known], centres, self.mirrored))
     }
 
     /// Curvatures and colours of the vertices, made when first asked for.

@@ -221,6 +221,9 @@ impl Bvh {
             }
             let first = node.first as usize;
             for k in first..first + node.count as usize {
+                if Aabb::of(&self.triangles[k]).distance_squared(p) > limit {
+                    continue;
+                }
                 let point = closest_point_on_triangle(p, &self.triangles[k]);
                 let (d, face) = (point.distance_squared(p), self.faces[k]);
                 if d < limit || (d == limit && best.is_none_or(|b| face < b.face)) {

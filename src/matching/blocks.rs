@@ -3,8 +3,10 @@
 //!
 //! Sums run over the lanes in the same order on every machine, whatever its vectors: same bytes.
 
+use super::cloud::Thinned;
 use crate::error::Result;
 use crate::intersect::Aabb;
+use crate::mesh::neighbourhood::NONE;
 use glam::DVec3;
 
 /// Points that are worked on side by side.
@@ -24,6 +26,10 @@ pub struct Group {
     pub at: [Lanes; 3],
     /// Unit normal.
     pub normal: [Lanes; 3],
+    /// See [`Thinned::roughness`].
+    pub roughness: Lanes,
+    /// Whether some of them are of a hole's completion.
+    pub is_completed: bool,
     /// Which points of the cloud they are.
     pub ids: [u32; LANES],
 }
@@ -32,7 +38,13 @@ pub struct Group {
 const FAR: f32 = 1e18;
 
 impl Group {
-    const EMPTY: Self = Self { at: [[FAR; LANES]; 3], normal: [[0.0; LANES]; 3], ids: [0; LANES] };
+    const EMPTY: Self = Self {
+        at: [[FAR; LANES]; 3],
+        normal: [[0.0; LANES]; 3],
+        roughness: [0.0; LANES],
+        is_completed: false,
+        ids: [0; LANES],
+    };
 }
 
 /// A box of a tree in depth-first order.
@@ -60,26 +72,22 @@ pub struct Near {
 
 impl Blocks {
     /// Over points with unit normals.
-    pub fn new(
-        points: &[DVec3],
-        normals: &[DVec3],
-        check: &dyn Fn() -> Result<()>,
-    ) -> Result<Self> {
-        let mut ids: Vec<u32> = (0..points.len() as u32).collect();
+    pub fn new(cloud: &Thinned, check: &dyn Fn() -> Result<()>) -> Result<Self> {
+        let mut ids: Vec<u32> = (0..cloud.points.len() as u32).collect();
         let mut blocks = Self { nodes: Vec::new(), groups: Vec::new() };
         if !ids.is_empty() {
-            blocks.add(points, normals, &mut ids, check)?;
+            blocks.add(cloud, &mut ids, check)?;
         }
         Ok(blocks)
     }
 
     fn add(
         &mut self,
-        points: &[DVec3],
-        normals: &[DVec3],
+        cloud: &Thinned,
         ids: &mut [u32],
         check: &dyn Fn() -> Result<()>,
     ) -> Result<()> {
+        let points = &cloud.points;
         let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &i in ids.iter() {
             (lo, hi) = (lo.min(points[i as usize]), hi.max(points[i as usize]));
@@ -88,7 +96,7 @@ impl Blocks {
         self.nodes.push(Node { bounds: Aabb { lo, hi }, next: 0, groups: first..first });
         if ids.len() <= MOST {
             ids.sort_unstable();
-            self.groups.extend(ids.chunks(LANES).map(|ids| group(points, normals, ids, lo)));
+            self.groups.extend(ids.chunks(LANES).map(|ids| group(cloud, ids, lo)));
             self.nodes[node].groups.end = self.groups.len() as u32;
         } else {
             if ids.len() > CHECKED {
@@ -100,8 +108,8 @@ impl Blocks {
             let middle = (ids.len() / 2).next_multiple_of(LANES);
             ids.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
             let (left, right) = ids.split_at_mut(middle);
-            self.add(points, normals, left, check)?;
-            self.add(points, normals, right, check)?;
+            self.add(cloud, left, check)?;
+            self.add(cloud, right, check)?;
         }
         self.nodes[node].next = self.nodes.len() as u32;
         Ok(())
@@ -135,11 +143,10 @@ impl Blocks {
         }
     }
 
-    /// The sum of the normals of the points within `radius` of the ball's centre that are on the side
-    /// of `normal`.
-    pub fn sum_normals(&self, near: &Near, normal: DVec3, radius: f64) -> DVec3 {
+    /// The sum of the normals of the points in a ball that are on the side of `normal`.
+    pub fn sum_normals(&self, near: &Near, normal: DVec3) -> DVec3 {
         let side = normal.as_vec3().to_array();
-        let square = (radius * radius) as f32;
+        let square = (near.radius * near.radius) as f32;
         let mut sums = [[0f32; LANES]; 3];
         pulp::Arch::new().dispatch(|| {
             self.visit(near, |group, origin| {
@@ -159,14 +166,17 @@ impl Blocks {
     }
 }
 
-fn group(points: &[DVec3], normals: &[DVec3], ids: &[u32], origin: DVec3) -> Group {
+fn group(cloud: &Thinned, ids: &[u32], origin: DVec3) -> Group {
     let mut group = Group::EMPTY;
-    for (l, &i) in ids.iter().enumerate() {
-        let (p, n) = (points[i as usize] - origin, normals[i as usize]);
+    for (l, &id) in ids.iter().enumerate() {
+        let i = id as usize;
+        let (p, n) = (cloud.points[i] - origin, cloud.normals[i]);
+        group.roughness[l] = cloud.roughness[i] as f32;
+        group.is_completed |= cloud.completion_of(i) != NONE;
         for k in 0..3 {
             (group.at[k][l], group.normal[k][l]) = (p[k] as f32, n[k] as f32);
         }
-        group.ids[l] = i;
+        group.ids[l] = id;
     }
     group
 }
@@ -187,7 +197,15 @@ mod tests {
         for count in [0, 1, 31, 33, 5000] {
             let points: Vec<DVec3> = (0..count).map(at).collect();
             let normals: Vec<DVec3> = points.iter().map(|p| p.normalize()).collect();
-            let blocks = Blocks::new(&points, &normals, &|| Ok(())).unwrap();
+            let cloud = Thinned {
+                points,
+                normals,
+                roughness: vec![0.0; count],
+                tints: None,
+                completion: Vec::new(),
+            };
+            let Thinned { points, normals, .. } = &cloud;
+            let blocks = Blocks::new(&cloud, &|| Ok(())).unwrap();
             for (k, radius) in [(3, 0.1), (17, 0.4), (40, 9.0)] {
                 let (centre, mut seen) = (at(k), Vec::new());
                 let near = blocks.near(centre, radius);
@@ -211,11 +229,11 @@ mod tests {
                         sum += normals[i];
                     }
                 }
-                let found = blocks.sum_normals(&near, DVec3::X, 0.99 * radius);
+                let found = blocks.sum_normals(&blocks.near(centre, 0.99 * radius), DVec3::X);
                 assert!(found.distance(sum) < 1e-6 * (1.0 + sum.length()), "{found} {sum}");
             }
             let stop = || Err(Error::Cancelled);
-            assert_eq!(Blocks::new(&points, &normals, &stop).is_err(), count == 5000);
+            assert_eq!(Blocks::new(&cloud, &stop).is_err(), count == 5000);
         }
     }
 }

@@ -67,8 +67,11 @@ impl Cloud {
     ) -> Result<Self> {
         let spacing = Self::spacing(source, spacing);
         let thinned = match source.edge < spacing {
-            true => thin(vertex_samples(source), spacing, &source.axes, check)?,
-            false => thin(face_samples(source, spacing), spacing, &source.axes, check)?,
+            true => thin_vertices(source, spacing, check)?,
+            false => {
+                let grid = Grid::over(source.positions.iter().copied(), spacing, &source.axes);
+                thin(face_samples(source, spacing), &grid, check)?
+            }
         };
         Self::of_points(thinned.painted(source), source.axes, check)
     }
@@ -79,7 +82,7 @@ impl Cloud {
         axes: DMat3,
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
-        let blocks = Blocks::new(&thinned.points, &thinned.normals, check)?;
+        let blocks = Blocks::new(&thinned, check)?;
         Ok(Self { thinned, blocks, axes })
     }
 }
@@ -103,22 +106,29 @@ const POINT: usize = 8;
 /// Numbers sorted without a look at the wish to cancel: two milliseconds.
 const SORTED_AT_ONCE: usize = 1 << 15;
 
-/// The vertices of a source.
-pub fn vertex_samples(source: &Source) -> impl Iterator<Item = Sample> + Clone + '_ {
-    source.points.ids().iter().map(|&v| {
-        let i = v as usize;
-        Sample {
-            point: source.positions[i],
-            normal: source.normals[i],
-            roughness: source.roughness[i],
-            tint: source.tint(i),
-            completion: if i < source.known_vertices { NONE } else { source.completion[i] },
-        }
-    })
+/// The vertices of a source, thinned.
+pub fn thin_vertices(
+    source: &Source,
+    spacing: f64,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Thinned> {
+    let ids = source.points.ids().iter().map(|&v| v as usize);
+    let grid = Grid::over(ids.clone().map(|i| source.positions[i]), spacing, &source.axes);
+    let sample = |i: usize| Sample {
+        point: source.positions[i],
+        normal: source.normals[i],
+        roughness: source.roughness[i],
+        tint: source.tint(i),
+        completion: if i < source.known_vertices { NONE } else { source.completion[i] },
+    };
+    thin(ids.map(sample), &grid, check)
 }
 
-/// The middles of k² small triangles of each face, k that of its longest edge.
-fn face_samples(source: &Source, spacing: f64) -> impl Iterator<Item = Sample> + Clone + '_ {
+/// Middles of small triangles that parts of an edge make lie so many parts apart: √(√3 / 4).
+const MIDDLES: f64 = 0.658;
+
+/// The middles of k² small triangles of each face, k that of its longest edge: about one a spacing.
+fn face_samples(source: &Source, spacing: f64) -> impl Iterator<Item = Sample> + '_ {
     source.faces.iter().enumerate().flat_map(move |(f, face)| {
         let completed = source.is_completion(f as u32);
         let completion = if completed { source.completion[face[0] as usize] } else { NONE };
@@ -127,7 +137,7 @@ fn face_samples(source: &Source, spacing: f64) -> impl Iterator<Item = Sample> +
         let rough = face.iter().map(|&v| source.roughness[v as usize]).sum::<f64>() / 3.0;
         let tints = face.map(|v| source.tint(v as usize));
         let longest = (0..3).map(|k| p[k].distance(p[(k + 1) % 3])).fold(0.0, f64::max);
-        let k = ((longest / spacing).ceil() as usize).clamp(1, 16);
+        let k = ((MIDDLES * longest / spacing).ceil() as usize).clamp(1, 16);
         let places = (0..k).flat_map(move |i| (0..2 * (k - i) - 1).map(move |j| (i, j)));
         places.map(move |(i, j)| {
             let step = 1.0 / k as f64;
@@ -152,22 +162,34 @@ struct Sum {
     count: f64,
 }
 
-/// One point for each cubic cell of width `spacing` along the axes, and each octant of the normal: the
+/// Cubic cells.
+pub struct Grid {
+    /// Turns their axes to those of the coordinates.
+    along: DMat3,
+    /// Where they begin, along their axes.
+    low: DVec3,
+    /// Their width, in mesh units.
+    spacing: f64,
+}
+
+impl Grid {
+    /// Along such axes over all of some points.
+    pub fn over(points: impl Iterator<Item = DVec3>, spacing: f64, axes: &DMat3) -> Self {
+        let along = axes.transpose();
+        Self { along, low: points.fold(DVec3::INFINITY, |low, p| low.min(along * p)), spacing }
+    }
+}
+
+/// One point for each cell of a grid over them, and each octant of the normal: the
 /// two sides of a thin wall are not averaged. Points without a normal are left out, as are those of a
 /// completion in a cell that has known ones.
 pub fn thin(
-    points: impl Iterator<Item = Sample> + Clone,
-    spacing: f64,
-    axes: &DMat3,
+    points: impl Iterator<Item = Sample>,
+    grid: &Grid,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Thinned> {
-    let along = axes.transpose();
+    let &Grid { along, low, spacing } = grid;
     let mut pace = Pace::new(check);
-    let mut low = DVec3::INFINITY;
-    for point in points.clone() {
-        pace.work(POINT)?;
-        low = low.min(along * point.point);
-    }
     // Summed up as they come: there are many times more samples than cells.
     let mut place: HashMap<u128, u32, BuildHasherDefault<CellHasher>> = HashMap::default();
     let mut sums: Vec<Sum> = Vec::new();
@@ -289,7 +311,8 @@ pub(super) mod tests {
     fn sides_of_a_wall_stay_apart_and_points_without_normal_go() {
         let points = [(0.01, 1.0), (0.02, 1.0), (0.03, -1.0), (0.04, 0.0)]
             .map(|(z, n)| known(DVec3::new(0.0, 0.0, z), DVec3::Z * n, z));
-        let cloud = thin(points.into_iter(), 1.0, &DMat3::IDENTITY, &|| Ok(())).unwrap();
+        let grid = Grid::over(points.iter().map(|p| p.point), 1.0, &DMat3::IDENTITY);
+        let cloud = thin(points.into_iter(), &grid, &|| Ok(())).unwrap();
         assert_eq!(cloud.points.len(), 2);
         let up = cloud.normals.iter().position(|n| n.z > 0.0).unwrap();
         assert!((cloud.points[up].z - 0.015).abs() < 1e-12);

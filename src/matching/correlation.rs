@@ -2,7 +2,7 @@
 //! rows in vector lanes, less the target's moments where the source knows nothing.
 
 use super::blocks::{Lanes, LANES};
-use super::height_map::{HeightMap, Row, ANGLES, RADII};
+use super::height_map::{HeightMap, Row, ANGLES, RADII, WHOLE};
 
 /// A known bin of a target, for one side.
 pub(super) struct Bin {
@@ -13,7 +13,7 @@ pub(super) struct Bin {
 }
 
 /// Moments of a target's bin: weight 1, position (x, y) and height h.
-pub(super) const MOMENTS: usize = 10;
+const MOMENTS: usize = 10;
 pub(super) type Moments = [f32; MOMENTS];
 pub(super) const W: usize = 0;
 pub(super) const X: usize = 1;
@@ -46,7 +46,7 @@ pub(super) struct SoFar {
     /// Of source height times weight, x, y and target height, and of its square.
     pub(super) with_height: [[f32; TURNS]; 5],
     /// Of the target's moments where the source knows nothing.
-    pub(super) missing: Option<[Moments; ANGLES]>,
+    missing: Option<Box<[[f32; TURNS]; MOMENTS]>>,
     /// Of (tint of the target − of the source)².
     pub(super) tints: [f32; ANGLES],
 }
@@ -69,6 +69,22 @@ impl SoFar {
         });
     }
 
+    /// Adds a row's moments at each turn over the bins that the source does not know.
+    pub(super) fn add_missing(&mut self, row: &[Bin], known: u64) {
+        if known == WHOLE || row.is_empty() {
+            return;
+        }
+        let missing = self.missing.get_or_insert_with(|| Box::new([[0.0; TURNS]; MOMENTS]));
+        let unknown = doubled(&std::array::from_fn(|a| (!known >> a & 1) as f32));
+        pulp::Arch::new().dispatch(|| {
+            for turn in (0..TURNS).step_by(LANES) {
+                let mut sums: [Lanes; MOMENTS] = std::array::from_fn(|m| lanes(&missing[m], turn));
+                sum_moments(&mut sums, row, &unknown, turn);
+                (0..MOMENTS).for_each(|m| missing[m][turn..][..LANES].copy_from_slice(&sums[m]));
+            }
+        });
+    }
+
     pub(super) fn add_tints(&mut self, bins: &[Bin], tints: &[f32], [tint, known]: &[Twice; 2]) {
         for (b, &t) in bins.iter().zip(tints) {
             let (row, seen) = (&tint[b.r][b.a..][..ANGLES], &known[b.r][b.a..][..ANGLES]);
@@ -81,7 +97,7 @@ impl SoFar {
     /// At one turn, from those over the target's bins.
     pub(super) fn at(&self, turn: usize, target: &Sums) -> Sums {
         let target = match &self.missing {
-            Some(missing) => target.without(&missing[turn]),
+            Some(missing) => target.without(std::array::from_fn(|m| missing[m][turn])),
             None => *target,
         };
         target.less(std::array::from_fn(|m| f64::from(self.with_height[m][turn])))
@@ -89,7 +105,7 @@ impl SoFar {
 }
 
 impl Sums {
-    pub(super) fn without(self, moments: &Moments) -> Self {
+    pub(super) fn without(self, moments: Moments) -> Self {
         let m = |k: usize| f64::from(moments[k]);
         Self {
             n: self.n - m(W),
@@ -150,12 +166,16 @@ impl Doubled {
 /// Each row twice, and on to whole lanes.
 pub(super) fn twice(rows: &[Row; RADII]) -> Twice {
     let mut all = [[0.0; _]; RADII];
-    for (twice, row) in all.iter_mut().zip(rows) {
-        twice[..ANGLES].copy_from_slice(row);
-        twice[ANGLES..2 * ANGLES].copy_from_slice(row);
-        twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
-    }
+    all.iter_mut().zip(rows).for_each(|(twice, row)| *twice = doubled(row));
     all
+}
+
+fn doubled(row: &Row) -> [f32; ANGLES + TURNS] {
+    let mut twice = [0.0; _];
+    twice[..ANGLES].copy_from_slice(row);
+    twice[ANGLES..2 * ANGLES].copy_from_slice(row);
+    twice[2 * ANGLES..].copy_from_slice(&row[..TURNS - ANGLES]);
+    twice
 }
 
 /// Adds to the sums of some turns, see [`SoFar::with_height`].
@@ -169,6 +189,24 @@ pub(super) fn sum_heights(sums: &mut [Lanes; 5], bins: &[Bin], height: &Twice, t
             sums[2][l] += b.moments[Y] * h[l];
             sums[3][l] += b.moments[H] * h[l];
             sums[4][l] += h[l] * h[l];
+        }
+    }
+}
+
+/// Adds the moments of bins at some turns, by how little is known where they come to lie.
+#[inline(always)]
+fn sum_moments(
+    sums: &mut [Lanes; MOMENTS],
+    bins: &[Bin],
+    unknown: &[f32; ANGLES + TURNS],
+    turn: usize,
+) {
+    for b in bins {
+        let u = lanes(unknown, b.a + turn);
+        for m in 0..MOMENTS {
+            for l in 0..LANES {
+                sums[m][l] += b.moments[m] * u[l];
+            }
         }
     }
 }

@@ -159,21 +159,27 @@ impl HeightMap {
                         & (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] <= ball);
                 }
                 for l in 0..LANES {
+                    if !places.within[l] {
+                        continue;
+                    }
                     let id = group.ids[l] as usize;
-                    let hole = cloud.thinned.completion_of(id);
-                    if places.within[l] && (hole == NONE || hole != without) {
+                    if group.is_completed {
+                        let hole = cloud.thinned.completion_of(id);
+                        if hole != NONE && hole == without {
+                            continue;
+                        }
                         if hole != NONE && !map.completions.contains(&hole) {
                             map.completions.push(hole);
                         }
-                        let (r, a) = (places.radius[l] as usize, angle_bin(places.turn[l]));
-                        map.height[r][a] += places.height[l];
-                        counts[r][a] += 1.0;
-                        if let (Some(tint), Some(tints)) = (&mut map.tint, &cloud.thinned.tints) {
-                            tint[r][a] += tints[id] as f32;
-                        }
-                        map.roughness += cloud.thinned.roughness[id];
-                        points += 1.0;
                     }
+                    let (r, a) = (places.radius[l] as usize, angle_bin(places.turn[l]));
+                    map.height[r][a] += places.height[l];
+                    counts[r][a] += 1.0;
+                    if let (Some(tint), Some(tints)) = (&mut map.tint, &cloud.thinned.tints) {
+                        tint[r][a] += tints[id] as f32;
+                    }
+                    map.roughness += f64::from(group.roughness[l]);
+                    points += 1.0;
                 }
             });
         });

@@ -166,8 +166,11 @@ impl Pairing<'_> {
             return None;
         }
         let apart = |p: &Pair| p.gap.abs() + p.off.abs();
-        pairs.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
-        pairs.truncate((keep * pairs.len() as f64) as usize);
+        let kept = (keep * pairs.len() as f64) as usize;
+        if kept < pairs.len() {
+            pairs.select_nth_unstable_by(kept, |a, b| apart(a).total_cmp(&apart(b)));
+            pairs.truncate(kept);
+        }
         let middle = pairs.iter().map(|p| p.place).sum::<DVec3>() / pairs.len() as f64;
         Some((pairs, middle))
     }

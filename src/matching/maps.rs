@@ -1,6 +1,6 @@
 //! The source at one scale: height maps around centres that are spread over it.
 
-use super::cloud::{thin, Cloud, Sample, Thinned};
+use super::cloud::{thin, Cloud, Grid, Sample, Thinned};
 use super::height_map::{Frame, HeightMap};
 use super::icp::worth;
 use super::rigid::Rigid;
@@ -35,7 +35,7 @@ pub struct Maps {
     pub paint: f64,
     /// What may carry the object onto itself.
     pub symmetries: Arc<Vec<Rigid>>,
-    centres: Thinned,
+    centres: Arc<Thinned>,
     maps: Vec<OnceLock<Option<HeightMap>>>,
 }
 
@@ -45,7 +45,7 @@ const SCALE_STEP: f64 = 1.08;
 const CLOUD_SPACING: f64 = 0.11;
 /// The ratio of one cloud's spacing to the next; wider below the mesh's own edges, where a cloud is made of
 /// several samples a face, which show nothing new.
-const CLOUD_STEPS: [f64; 2] = [1.1, 1.25];
+const CLOUD_STEPS: [f64; 2] = [1.1, 1.5];
 
 /// The scale that serves a hole radius: the least power of 1.08 (times the object's edge) above it.
 pub fn scale_of(edge: f64, radius: f64) -> i32 {
@@ -74,30 +74,38 @@ pub fn cloud_at(
     Cloud::of_source(source, source.edge * step.powi(cloud_scale), check)
 }
 
+/// How far apart the centres lie that serve a hole radius, in mesh units.
+pub fn centre_spacing(source: &Source, radius: f64) -> f64 {
+    (SPACING * radius).max((source.area / MOST_CENTRES).sqrt())
+}
+
+/// Centres spread over a cloud.
+pub fn centres_on(cloud: &Cloud, spacing: f64, check: &dyn Fn() -> Result<()>) -> Result<Thinned> {
+    let Thinned { points, normals, .. } = &cloud.thinned;
+    let sample = |i: usize| Sample {
+        point: points[i],
+        normal: normals[i],
+        roughness: 0.0,
+        tint: 0.0,
+        completion: cloud.thinned.completion_of(i),
+    };
+    let grid = Grid::over(points.iter().copied(), spacing, &cloud.axes);
+    thin((0..points.len()).map(sample), &grid, check)
+}
+
 impl Maps {
-    /// Around centres on a source, for holes of about a radius (mesh units) in the object that the
-    /// cloud `known` is of.
+    /// Around centres on a source, for holes of about a radius (mesh units). `cloud`: of the source;
+    /// `known`: of the object that the holes are in.
     pub fn new(
         source: &Source,
         radius: f64,
-        cloud: Arc<Cloud>,
-        known: Arc<Cloud>,
+        [cloud, known]: [Arc<Cloud>; 2],
+        centres: Arc<Thinned>,
         mirrored: bool,
-        check: &dyn Fn() -> Result<()>,
-    ) -> Result<Self> {
-        let spacing = (SPACING * radius).max((source.area / MOST_CENTRES).sqrt());
-        let Thinned { points, normals, .. } = &cloud.thinned;
-        let point = |i: usize| Sample {
-            point: points[i],
-            normal: normals[i],
-            roughness: 0.0,
-            tint: 0.0,
-            completion: cloud.thinned.completion_of(i),
-        };
-        let centres = thin((0..points.len()).map(point), spacing, &cloud.axes, check)?;
+    ) -> Self {
         let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
         let (paint, symmetries) = (worth(source), Arc::default());
-        Ok(Self { radius, cloud, known, mirrored, paint, symmetries, centres, maps })
+        Self { radius, cloud, known, mirrored, paint, symmetries, centres, maps }
     }
 
     /// With transforms that may carry the object onto itself: each hole is laid onto its image, too.
@@ -111,11 +119,12 @@ impl Maps {
         let make = |without: u32| {
             let (centre, normal) = (self.centres.points[c], self.centres.normals[c]);
             let reach = REACH * self.radius;
-            let near = self.cloud.blocks.near(centre, reach);
+            let plane = self.cloud.blocks.near(centre, PLANE * self.radius);
             // Moved onto the surface's mean plane.
-            let mean = self.cloud.blocks.sum_normals(&near, normal, PLANE * self.radius);
+            let mean = self.cloud.blocks.sum_normals(&plane, normal);
             let frame = (mean != DVec3::ZERO)
                 .then(|| Frame::new(centre, mean.normalize(), &self.cloud.axes))?;
+            let near = self.cloud.blocks.near(centre, reach);
             Some(HeightMap::new(&self.cloud, &near, frame, reach, without))
         };
         let map = self.maps[c].get_or_init(|| make(NONE)).as_ref()?;

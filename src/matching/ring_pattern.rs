@@ -10,8 +10,8 @@
 //! that this takes are five correlations of rows, less the target's moments where the source knows
 //! nothing.
 
-use super::correlation::{Bin, Doubled, SoFar, Sums, MOMENTS};
-use super::height_map::{bin_of, Frame, HeightMap, ANGLES, RADII, WHOLE};
+use super::correlation::{Bin, Doubled, SoFar, Sums};
+use super::height_map::{bin_of, Frame, HeightMap, ANGLES, RADII};
 use super::rigid::Rigid;
 use glam::{DMat3, DVec3};
 
@@ -106,8 +106,8 @@ impl RingPattern {
                 let at = (r as f64 + 0.5) * step;
                 let (x, y) = (at * turn.cos(), at * turn.sin());
                 let h = f64::from(known.height[r][a]);
-                let moments =
-                    [1.0, x, y, h, x * x, x * y, y * y, x * h, y * h, h * h].map(|m| m as f32);
+                let moments = [1.0, x, y, h, x * x, x * y, y * y, x * h, y * h, h * h];
+                let moments = moments.map(|m| m as f32);
                 // A mirrored source runs around the other way.
                 bins[0].push(Bin { r, a, moments });
                 bins[1].push(Bin { r, a: ANGLES - 1 - a, moments });
@@ -140,7 +140,10 @@ impl RingPattern {
             for (width, found) in self.widths.iter().zip(found.iter_mut()) {
                 let more = &bins[first..width.bins];
                 so_far.add_heights(more, &doubled.height);
-                self.add_missing(&mut so_far, bins, rows..width.rows, &doubled.known);
+                for r in rows..width.rows {
+                    let row = &bins[self.rows[r]..self.rows[r + 1]];
+                    so_far.add_missing(row, doubled.known[r]);
+                }
                 if let Some(tint) = &doubled.tint {
                     so_far.add_tints(more, &self.tints[first..], tint);
                 }
@@ -168,55 +171,27 @@ impl RingPattern {
         painted: bool,
         keep: &mut dyn FnMut(usize, DVec3, f64),
     ) {
-        let mut best: Vec<(f64, usize, DVec3)> = (0..ANGLES)
-            .filter_map(|turn| {
-                let sums = so_far.at(turn, &width.sums);
-                let (mut cost, plane) = self.cost(&sums, width.bins)?;
-                if painted {
-                    let off = f64::from(so_far.tints[turn]) / sums.n;
-                    cost = cost.hypot(self.paint * off.sqrt());
-                }
-                Some((cost, turn, plane))
-            })
-            .collect();
-        best.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut kept: Vec<usize> = Vec::new();
-        for (cost, turn, plane) in best {
-            let near = |t: &usize| {
-                let d = t.abs_diff(turn);
-                d.min(ANGLES - d) < SAME_TURN
-            };
-            if kept.iter().any(near) {
-                continue;
+        let mut costs = [(f64::INFINITY, DVec3::ZERO); ANGLES];
+        for (turn, at) in costs.iter_mut().enumerate() {
+            let sums = so_far.at(turn, &width.sums);
+            let Some((mut cost, plane)) = self.cost(&sums, width.bins) else { continue };
+            if painted {
+                let off = f64::from(so_far.tints[turn]) / sums.n;
+                cost = cost.hypot(self.paint * off.sqrt());
             }
-            kept.push(turn);
-            keep(turn, plane, cost);
-            if kept.len() == TURNS_KEPT {
-                break;
-            }
+            *at = (cost, plane);
         }
-    }
-
-    /// The moments at each turn of the bins of some radii that the source does not know. Few are: sums over
-    /// those that it knows would cost more than all else.
-    fn add_missing(
-        &self,
-        so_far: &mut SoFar,
-        bins: &[Bin],
-        radii: std::ops::Range<usize>,
-        known: &[u64; RADII],
-    ) {
-        for r in radii.filter(|&r| known[r] != WHOLE) {
-            let row = &bins[self.rows[r]..self.rows[r + 1]];
-            if row.is_empty() {
-                continue;
-            }
-            let missing = so_far.missing.get_or_insert([[0.0; MOMENTS]; ANGLES]);
-            for a in (0..ANGLES).filter(|&a| known[r] >> a & 1 == 0) {
-                for b in row {
-                    let turn = if a < b.a { a + ANGLES - b.a } else { a - b.a };
-                    let sums = missing[turn].iter_mut();
-                    sums.zip(&b.moments).for_each(|(s, m)| *s += m);
+        for _ in 0..TURNS_KEPT {
+            let least = |a: &usize, b: &usize| costs[*a].0.total_cmp(&costs[*b].0);
+            let Some(best) = (0..ANGLES).min_by(least).filter(|&b| costs[b].0 < f64::INFINITY)
+            else {
+                break;
+            };
+            keep(best, costs[best].1, costs[best].0);
+            for (turn, at) in costs.iter_mut().enumerate() {
+                let apart = turn.abs_diff(best);
+                if apart.min(ANGLES - apart) < SAME_TURN {
+                    at.0 = f64::INFINITY;
                 }
             }
         }
@@ -235,7 +210,7 @@ impl RingPattern {
         );
         let rhs = DVec3::new(s.d, s.dx, s.dy);
         let plane = m.inverse() * rhs;
-        if !plane.is_finite() || plane.y.hypot(plane.z) > MOST_TILT {
+        if !plane.is_finite() || plane.y * plane.y + plane.z * plane.z > MOST_TILT * MOST_TILT {
             return None;
         }
         let left = (s.dd - plane.dot(rhs)).max(0.0) / s.n;
@@ -302,7 +277,7 @@ pub fn keep_different(
 #[cfg(test)]
 mod tests {
     use super::super::cloud::tests::known;
-    use super::super::cloud::{thin, Cloud, Sample};
+    use super::super::cloud::{thin, Cloud, Grid, Sample};
     use super::super::height_map::tests::map_at;
     use super::super::source::tests::{hills, hilly_source, some_transform};
     use super::*;
@@ -320,7 +295,8 @@ mod tests {
 
     fn cloud_of(points: impl Iterator<Item = Sample> + Clone) -> Cloud {
         let axes = DMat3::IDENTITY;
-        Cloud::of_points(thin(points, 0.04, &axes, &|| Ok(())).unwrap(), axes, &|| Ok(())).unwrap()
+        let grid = Grid::over(points.clone().map(|p| p.point), 0.04, &axes);
+        Cloud::of_points(thin(points, &grid, &|| Ok(())).unwrap(), axes, &|| Ok(())).unwrap()
     }
 
     /// Where the source shows the same hills, rotated or mirrored, the best candidate of many places

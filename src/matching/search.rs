@@ -15,6 +15,8 @@ use std::sync::Arc;
 
 /// Source maps that the smallest hole is compared with: with 400 and with 1000 a twin far off was lost.
 const LEAST_MAPS: usize = 2000;
+/// So many for each new vertex are enough, too: a hole of a few has room for little detail.
+const A_VERTEX: usize = 40;
 /// Widths of the ring that are compared, in hole radii.
 const WIDTHS: [f64; 2] = [0.5, 1.0];
 /// Maps worked on between two looks at the wish to cancel.
@@ -47,7 +49,7 @@ impl Effort {
                 widened: 0,
             },
             1 => Self {
-                maps: (6 * n).max(LEAST_MAPS),
+                maps: (6 * n).max(LEAST_MAPS.min(A_VERTEX * n)),
                 widths: &WIDTHS,
                 kept: (n / 8).clamp(10, 80),
                 fine: (n / 12).clamp(6, 30),
@@ -318,7 +320,9 @@ fn merge(found: Vec<Candidate>, target: &Target<'_>, most: usize) -> Vec<Candida
 
 #[cfg(test)]
 mod tests {
-    use super::super::maps::{cloud_at, cloud_scale, radius_at, scale_of};
+    use super::super::maps::{
+        centre_spacing, centres_on, cloud_at, cloud_scale, radius_at, scale_of,
+    };
     use super::super::rigid::Rigid;
     use super::super::source::tests::{hills, hilly_source, some_transform};
     use super::*;
@@ -354,7 +358,9 @@ mod tests {
     fn maps_of(source: &Source) -> Maps {
         let radius = radius_at(source.edge, scale_of(source.edge, RADIUS));
         let cloud = Arc::new(cloud_at(source, cloud_scale(source, radius), &|| Ok(())).unwrap());
-        Maps::new(source, radius, cloud.clone(), cloud, true, &|| Ok(())).unwrap()
+        let spacing = centre_spacing(source, radius);
+        let centres = Arc::new(centres_on(&cloud, spacing, &|| Ok(())).unwrap());
+        Maps::new(source, radius, [cloud.clone(), cloud], centres, true)
     }
 
     fn polar(t: &Rigid, radii: std::ops::Range<f64>) -> Vec<RingPoint> {

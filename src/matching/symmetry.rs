@@ -5,7 +5,7 @@
 //! Differences from the paper: only the reflections and half turns about the principal axes are tried, each
 //! improved by ICP; no voting. What repeats in part is found by the search for places.
 
-use super::cloud::{thin, vertex_samples};
+use super::cloud::thin_vertices;
 use super::icp::{align, Pairing, Partner, RingPoint};
 use super::rigid::Rigid;
 use super::source::Source;
@@ -31,7 +31,7 @@ pub fn symmetries(
     // The same whichever hole asks first.
     let source = &source.for_hole(NONE);
     let spacing = (source.area / POINTS).sqrt();
-    let thinned = thin(vertex_samples(source), spacing, &source.axes, check)?;
+    let thinned = thin_vertices(source, spacing, check)?;
     let points: Vec<RingPoint> =
         thinned.points.into_iter().zip(thinned.normals).map(|(p, n)| (p, n, 0.0)).collect();
     if points.is_empty() {

@@ -387,6 +387,37 @@ fn a_copy_joined_with_itself_comes_back() {
     }
 }
 
+/// Waves of a copy that the base does not have are weakened; where relief can only be plausible they are as
+/// strong as on the copy.
+#[test]
+fn plausible_relief_keeps_its_strength() {
+    let object = hilly();
+    let window = whole(&object, |p| DVec3::Z * (0.1 - p.z));
+    let d = &window.domain;
+    let strength = |heights: &dyn Fn(usize) -> f64| {
+        let inside = |v: &usize| d.laplacian.row(*v).all(|(w, _)| d.fill.contains(&w));
+        let bend = |v: usize| {
+            d.laplacian.row(v).fold(0.0, |sum, (w, _)| sum + heights(v) - heights(w)).powi(2)
+        };
+        d.fill.clone().filter(inside).map(bend).sum::<f64>().sqrt()
+    };
+    let wave = |v: usize| match d.is_known(v) {
+        true => 0.0,
+        false => 0.1 * d.edge * (14.0 / d.radius * d.sheet.positions[v].x).sin(),
+    };
+    let joined = |plausible: f64| {
+        let mut view = seen(&window, &object.source(&Rigid::IDENTITY), &[Rigid::IDENTITY]).unwrap();
+        view.base.fill(0.0);
+        view.fitted.heights = vec![(0..d.sheet.positions.len()).map(wave).collect()];
+        view.plausible = plausible;
+        let heights = join(d, &[view]).unwrap().heights;
+        strength(&|v| heights[v - d.fill.start]) / strength(&wave)
+    };
+    let [near, half, right] = [0.0, 0.5, 1.0].map(joined);
+    println!("{near:.3} {half:.3} {right:.3}");
+    assert!(near < 0.8 && near < half && half < right && (right - 1.0).abs() < 1e-6);
+}
+
 /// Eq. 13 to 15: a patch that meets the rim stays as it is, one that lies aside is moved back as a whole,
 /// and no vertex is moved by more than the rim is.
 #[test]

@@ -21,6 +21,10 @@ const APART: f64 = 1.0;
 /// which it has all the say that the hidden ring gives it.
 const TRUSTED: (f64, f64) = (0.5, 0.8);
 
+/// The same ratio from which on, and from which wholly, relief shall look right rather than lie near: from where
+/// there is no trust left to where copies are of no use.
+const PLAUSIBLE: (f64, f64) = (TRUSTED.1, 1.0);
+
 /// The copies were chosen by the same ring that then says how far to trust them: at equal errors their
 /// share is cut by this part.
 const OPTIMISM: f64 = 0.6;
@@ -46,6 +50,9 @@ pub struct View<'a> {
     pub shares: Vec<f64>,
     /// 0 where the copies are trusted alone, 1 where the hidden ring decides what the smooth plate gets.
     pub doubt: f64,
+    /// 0 where distances count, 1 where relief can only be plausible: copies say no more of the hidden ring than
+    /// the smooth plate does.
+    pub plausible: f64,
     /// Whether the shape stays the smooth one, and only the colours are copied.
     pub is_smooth: bool,
     /// 1 / (1 + ratio²), ratio of the consensus' error to the plate's where the ring was hidden.
@@ -127,6 +134,7 @@ pub fn look<'a>(
         labels,
         shares,
         doubt,
+        plausible: ((ratio - PLAUSIBLE.0) / (PLAUSIBLE.1 - PLAUSIBLE.0)).clamp(0.0, 1.0),
         is_smooth,
         confidence,
         own,
