@@ -17,11 +17,10 @@ pub(crate) const BEAT: Duration = Duration::from_millis(25);
 
 /// The threads to use when `threads` are asked for; 0 asks for all cores.
 pub fn thread_count(threads: usize) -> usize {
-    let available = std::thread::available_parallelism().map_or(1, |n| n.get());
-    if threads == 0 {
-        available
-    } else {
-        threads
+    match threads {
+        // It reads some files of the system's: not for nothing.
+        0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
+        some => some,
     }
 }
 

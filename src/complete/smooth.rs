@@ -176,26 +176,9 @@ pub fn fill_hole(
         1 => !ALL_PAIRS[1].holds(&polygon),
         _ => ALL_PAIRS[2].holds(&polygon) && !ALL_PAIRS[0].holds(&polygon),
     };
-    let mut search = |round: usize| {
-        triangulate(&outline.positions, &outline.sizes, &polygon, ALL_PAIRS[round], &mut pace)
-    };
-    let mut rounds: Vec<usize> = (0..ALL_PAIRS.len()).filter(|&r| is_another(r)).collect();
-    let mut ready = Some(search(0)?);
-    // What would be larger than much of the mesh is not begun before a look at what comes next.
-    if let (Some(Some(first)), Some(&second)) = (&ready, rounds.get(1)) {
-        if asks_for(around, &outline, first.area()) > around.input_vertices as f64 / VAST {
-            let next = search(second)?;
-            if next.as_ref().is_some_and(|next| next.area() < DETOUR * first.area()) {
-                ready = Some(next);
-                rounds.swap(0, 1);
-            }
-        }
-    }
-    for round in rounds {
-        let found = match ready.take() {
-            Some(found) => found,
-            None => search(round)?,
-        };
+    for round in (0..ALL_PAIRS.len()).filter(|&round| is_another(round)) {
+        let found =
+            triangulate(&outline.positions, &outline.sizes, &polygon, ALL_PAIRS[round], &mut pace)?;
         let Some(first) = found else { continue };
         check(0.2)?;
         // What the plain attempts start from, refined once.
@@ -229,10 +212,6 @@ pub fn fill_hole(
     Ok(Err(reason))
 }
 
-/// A fill that has more new vertices than one for so many of the input is begun after a look at what else
-/// there is: what its attempts take in room and time is no longer small.
-const VAST: f64 = 8.0;
-
 /// New vertices that a fill of some area asks for, about; 0 where the caller chose their size. A vertex of
 /// an equilateral net has √3/2 square edges to itself, one of a refined patch somewhat less.
 fn asks_for(around: &Surroundings<'_>, outline: &Outline, area: f64) -> f64 {
@@ -242,11 +221,6 @@ fn asks_for(around: &Surroundings<'_>, outline: &Outline, area: f64) -> f64 {
         _ => 0.0,
     }
 }
-
-/// A triangulation with less than this share of another's area is tried before it: around a vessel's
-/// missing band one that folds less is 2.7 times as large and leads through the walls; elsewhere they
-/// are within a third of each other.
-const DETOUR: f64 = 0.5;
 
 /// Area of a coarse fill, in that of the triangulation it came from, from which on it is no surface to
 /// refine: a half sphere over a flat rim has twice.

@@ -105,9 +105,7 @@ impl WithSimd for Solve<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Option<()> {
         factorise(self.start, self.factor)?;
-        for x in self.x {
-            substitute(self.start, self.factor, x);
-        }
+        substitute(self.start, self.factor, self.x);
         Some(())
     }
 }
@@ -169,17 +167,22 @@ fn subtract4(to: &mut [f64], pieces: [&[f64]; BLOCK], scale: [f64; BLOCK]) {
 }
 
 #[inline(always)]
-fn substitute(start: &[usize], factor: &[f64], x: &mut [f64]) {
-    let n = x.len();
+fn substitute(start: &[usize], factor: &[f64], x: &mut [Vec<f64>; 3]) {
+    let n = start.len() - 1;
+    // All three for each column, which is near then.
     for j in 0..n {
         let column = &factor[start[j]..start[j + 1]];
-        let value = x[j] / column[0];
-        x[j] = value;
-        subtract(&mut x[j + 1..j + column.len()], &column[1..], value);
+        for x in &mut *x {
+            let value = x[j] / column[0];
+            x[j] = value;
+            subtract(&mut x[j + 1..j + column.len()], &column[1..], value);
+        }
     }
     for j in (0..n).rev() {
         let column = &factor[start[j]..start[j + 1]];
-        x[j] = (x[j] - dot(&column[1..], &x[j + 1..j + column.len()])) / column[0];
+        for x in &mut *x {
+            x[j] = (x[j] - dot(&column[1..], &x[j + 1..j + column.len()])) / column[0];
+        }
     }
 }
 

@@ -24,6 +24,28 @@ pub struct Polygon {
     pub beyond: Vec<Beyond>,
 }
 
+impl Polygon {
+    /// Which loop each corner is of: 0 for that of the first corner. A walk comes back over each bridge.
+    pub fn loops(&self) -> Vec<u32> {
+        let (mut under_way, mut count) = (vec![0], 0);
+        let mut loops = Vec::with_capacity(self.corners.len());
+        for (edge, beyond) in self.beyond.iter().enumerate() {
+            loops.push(under_way.last().copied().unwrap_or(0));
+            match beyond {
+                Beyond::Face(_) => {}
+                Beyond::Bridge(twin) if *twin > edge => {
+                    count += 1;
+                    under_way.push(count);
+                }
+                Beyond::Bridge(_) => {
+                    under_way.pop();
+                }
+            }
+        }
+        loops
+    }
+}
+
 /// A loop as the bridges see it: vertices and the normals of the faces at its edges.
 pub struct Rim {
     /// Patch vertices in the order in which a fill runs along them.
@@ -171,5 +193,35 @@ impl Walk {
             })
             .collect();
         Polygon { corners, beyond }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A large square with two small ones in a row beside its middle: one bridge starts where another ends.
+    #[test]
+    fn corners_know_their_loops() {
+        let square =
+            |x: f64, r: f64| [[-r, -r], [r, -r], [r, r], [-r, r]].map(|p| [x + p[0], p[1]]);
+        let corners = [square(0.0, 5.0), square(3.0, 0.5), square(1.0, 0.5)];
+        let positions: Vec<DVec3> =
+            corners.iter().flatten().map(|p| DVec3::new(p[0], p[1], 0.0)).collect();
+        let rim = |l: u32| Rim {
+            vertices: match l {
+                0 => (0..4).collect(),
+                _ => (4 * l..4 * l + 4).rev().collect(),
+            },
+            normals: vec![DVec3::Z; 4],
+        };
+        let polygon = join_loops(&positions, &[rim(0), rim(1), rim(2)]);
+        // Twelve corners, and two ends more for each of two bridges.
+        assert_eq!(polygon.corners.len(), 16);
+        let loops = polygon.loops();
+        for (a, b) in (0..16).flat_map(|a| (0..16).map(move |b| (a, b))) {
+            let same_rim = polygon.corners[a] / 4 == polygon.corners[b] / 4;
+            assert_eq!(loops[a] == loops[b], same_rim, "{:?} {loops:?}", polygon.corners);
+        }
     }
 }

@@ -6,7 +6,9 @@
 //! - Not cubic in the rim. Chords are only tried between corners that are near each other, on a
 //!   hierarchy of levels, level l holding every 2^l-th corner: O(n) chords. A triangulation
 //!   always exists among them, since neighbours on each level are always tried.
-//! - Several loops: the polygon runs over bridges ([`super::polygon`]), which are glued here.
+//! - Several loops: the polygon runs over bridges ([`super::polygon`]), which are glued here. Chords
+//!   are also tried to the nearest corners of other loops: without them a wide band's rims were capped
+//!   one by one, since no band without folds is made of what is near on one's own rim.
 
 use super::patch::{Patch, NONE};
 use super::polygon::{Beyond, Polygon};
@@ -97,6 +99,8 @@ impl Chords {
             return all;
         }
         let mut pairs: Vec<(u32, u32)> = Vec::new();
+        let loops = polygon.loops();
+        let has_many = loops.iter().any(|&l| l != 0);
         let mut step = 1;
         loop {
             let mut level: Vec<usize> = (0..n).step_by(step).collect();
@@ -115,9 +119,15 @@ impl Chords {
                 pairs.extend(along.map(|b| (level[a] as u32, level[b] as u32)));
             }
             let points: Vec<DVec3> = level.iter().map(|&i| points[i]).collect();
-            nearest_pairs(&points, |a, b| {
+            let mut add = |a: usize, b: usize| {
                 pairs.push((level[a.min(b)] as u32, level[a.max(b)] as u32));
-            });
+            };
+            nearest_pairs(&points, |_, _| true, &mut add);
+            // Across a wide band the nearest corners are all of one's own rim.
+            if has_many {
+                let differ = |a: usize, b: usize| loops[level[a]] != loops[level[b]];
+                nearest_pairs(&points, differ, &mut add);
+            }
             step *= 2;
         }
         pairs.sort_unstable();
@@ -136,9 +146,13 @@ impl Chords {
     }
 }
 
-/// Calls `f` for each point and its nearest ones, by a sweep along x: a rim is a curve, so few
-/// points share an x.
-fn nearest_pairs(points: &[DVec3], mut f: impl FnMut(usize, usize)) {
+/// Calls `f` for each point and the nearest ones that it may be joined to, by a sweep along x: a rim is a
+/// curve, so few points share an x.
+fn nearest_pairs(
+    points: &[DVec3],
+    may_join: impl Fn(usize, usize) -> bool,
+    f: &mut dyn FnMut(usize, usize),
+) {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| points[a].x.total_cmp(&points[b].x).then(a.cmp(&b)));
     let mut best: Vec<(f64, usize)> = Vec::with_capacity(NEAREST + 1);
@@ -164,6 +178,9 @@ fn nearest_pairs(points: &[DVec3], mut f: impl FnMut(usize, usize)) {
                 order[right - 1]
             };
             let d = (points[a].distance_squared(points[b]), b);
+            if d.0 > limit(&best) || !may_join(a, b) {
+                continue;
+            }
             let at = best.partition_point(|x| x.0 < d.0 || (x.0 == d.0 && x.1 < d.1));
             best.insert(at, d);
             best.truncate(NEAREST);
@@ -171,6 +188,10 @@ fn nearest_pairs(points: &[DVec3], mut f: impl FnMut(usize, usize)) {
         best.iter().for_each(|&(_, b)| f(a, b));
     }
 }
+
+/// Chords up to which the normals behind them are kept: 24 bytes each, and so three quarters of a megabyte
+/// at most, for the rims of up to 256 edges that most holes have.
+const MOST_NORMALS: usize = 1 << 15;
 
 /// The chords by their second corner, ascending by the first, filled from the end as the first
 /// corners descend. Walking a column is what the time goes into, so each thing lies by itself.
@@ -183,6 +204,8 @@ struct Columns {
     weight: Vec<f64>,
     /// The corner that gives it: of the triangle at the chord.
     apex: Vec<u32>,
+    /// The unit normal of that triangle; empty if there are more than [`MOST_NORMALS`].
+    normal: Vec<DVec3>,
 }
 
 impl Columns {
@@ -195,17 +218,21 @@ impl Columns {
         let open = start[1..].to_vec();
         let m = chords.to.len();
         let (corner, weight, apex) = (vec![0; m], vec![f64::INFINITY; m], vec![NONE; m]);
-        Self { start, open, corner, weight, apex }
+        let normal = if m <= MOST_NORMALS { vec![DVec3::ZERO; m] } else { Vec::new() };
+        Self { start, open, corner, weight, apex, normal }
     }
     fn filled(&self, j: u32) -> std::ops::Range<usize> {
         self.open[j as usize]..self.start[j as usize + 1]
     }
-    fn put(&mut self, i: usize, j: u32, weight: f64, apex: u32) {
+    fn put(&mut self, i: usize, j: u32, (weight, apex, normal): (f64, u32, DVec3)) {
         self.open[j as usize] -= 1;
         let at = self.open[j as usize];
         self.corner[at] = i as u32;
         self.weight[at] = weight;
         self.apex[at] = apex;
+        if let Some(kept) = self.normal.get_mut(at) {
+            *kept = normal;
+        }
     }
     /// The apex behind the chord (i, j).
     fn apex(&self, i: u32, j: u32) -> Option<u32> {
@@ -235,8 +262,8 @@ impl Corners<'_> {
         }
     }
 
-    /// Unit normal of the face behind the chord (i, j) whose apex is known. Made anew: kept, the normals
-    /// would be half of all that a triangulation takes.
+    /// Unit normal of the face behind the chord (i, j) whose apex is known, made anew: of many chords kept,
+    /// the normals would be half of all that a triangulation takes.
     fn normal(&self, i: usize, j: usize, apex: u32) -> DVec3 {
         if j == i + 1 {
             return self.beyond(i);
@@ -253,6 +280,7 @@ impl Corners<'_> {
         let mut left_weight = vec![f64::INFINITY; n];
         let mut left_normal = vec![DVec3::ZERO; n];
         let mut left_length = vec![0.0; n];
+        let mut sums = Vec::with_capacity(n);
         // Descending i, ascending j: the parts of a chord come before it.
         for i in (0..n).rev() {
             let row = chords.row(i);
@@ -265,16 +293,17 @@ impl Corners<'_> {
                     let parts = Parts {
                         corners: &columns.corner[filled.clone()],
                         rights: &columns.weight[filled.clone()],
-                        apexes: &columns.apex[filled],
+                        apexes: &columns.apex[filled.clone()],
+                        normals: columns.normal.get(filled).unwrap_or_default(),
                         left_weight: &left_weight,
                         left_normal: &left_normal,
                         left_length: &left_length,
                     };
                     pace.work(parts.corners.len())?;
-                    parts.least(self, i, j as usize)
+                    parts.least(self, (i, j as usize), &mut sums)
                 };
                 (left_weight[j as usize], left_normal[j as usize]) = (best, normal);
-                columns.put(i, j, best, apex);
+                columns.put(i, j, (best, apex, normal));
             }
             row.iter().for_each(|&j| left_weight[j as usize] = f64::INFINITY);
         }
@@ -287,37 +316,53 @@ struct Parts<'a> {
     corners: &'a [u32],
     rights: &'a [f64],
     apexes: &'a [u32],
+    /// May be empty.
+    normals: &'a [DVec3],
     left_weight: &'a [f64],
     left_normal: &'a [DVec3],
     left_length: &'a [f64],
 }
 
 impl Parts<'_> {
-    #[inline]
-    fn sum(&self, k: usize) -> f64 {
-        self.left_weight[self.corners[k] as usize] + self.rights[k]
+    /// The weights to the left, corner by corner, if these are next to each other: without bridges and with
+    /// all chords they are, and need not be looked up one by one.
+    fn lefts(&self) -> Option<&[f64]> {
+        let (first, last) = (*self.corners.first()? as usize, *self.corners.last()? as usize);
+        (last - first + 1 == self.corners.len()).then(|| &self.left_weight[first..=last])
     }
 
     /// The least weight, its apex, and the normal there.
-    fn least(&self, all: &Corners<'_>, i: usize, j: usize) -> (f64, u32, DVec3) {
+    fn least(
+        &self,
+        all: &Corners<'_>,
+        (i, j): (usize, usize),
+        sums: &mut Vec<f64>,
+    ) -> (f64, u32, DVec3) {
         let n = all.points.len();
         let (a, c) = (all.points[i], all.points[j]);
         let chord2 = a.distance_squared(c);
         let own = EDGE_WEIGHT * chord2;
-        // The apex with the cheapest parts first: its total rules most others out unseen.
-        let (mut cheapest, mut least) = (usize::MAX, f64::INFINITY);
-        for k in 0..self.corners.len() {
-            if self.sum(k) < least {
-                (cheapest, least) = (k, self.sum(k));
+        sums.clear();
+        match self.lefts() {
+            Some(lefts) => sums.extend(lefts.iter().zip(self.rights).map(|(l, r)| l + r)),
+            None => {
+                let left = |&at: &u32| self.left_weight[at as usize];
+                sums.extend(self.corners.iter().zip(self.rights).map(|(at, r)| left(at) + r));
             }
         }
+        // The apex with the cheapest parts first: its total rules most others out unseen.
+        let least = least_of(sums);
+        let cheapest = match least < f64::INFINITY {
+            true => sums.iter().position(|&sum| sum == least).unwrap_or(usize::MAX),
+            false => usize::MAX,
+        };
         let mut best = (f64::INFINITY, NONE, DVec3::ZERO);
         if cheapest == usize::MAX {
             return best;
         }
         // Rejected as soon as a part of the sum is too much: square roots are what this costs.
         let offer = |k: usize, best: &mut (f64, u32, DVec3)| {
-            let mut total = self.sum(k) + own;
+            let mut total = sums[k] + own;
             let at = self.corners[k] as usize;
             let b = all.points[at];
             let cross = (b - a).cross(c - a);
@@ -331,7 +376,10 @@ impl Parts<'_> {
             if total + left >= best.0 {
                 return;
             }
-            let right = all.normal(at, j, self.apexes[k]);
+            let right = match self.normals.get(k) {
+                Some(&normal) => normal,
+                None => all.normal(at, j, self.apexes[k]),
+            };
             total += left + all.fold(normal, right, b.distance(c));
             if i == 0 && j == n - 1 {
                 total += all.fold(normal, all.beyond(n - 1), chord2.sqrt());
@@ -341,13 +389,36 @@ impl Parts<'_> {
             }
         };
         offer(cheapest, &mut best);
-        for k in 0..self.corners.len() {
-            if self.sum(k) + own < best.0 && k != cheapest {
-                offer(k, &mut best);
+        for (part, some) in sums.chunks(AT_ONCE).enumerate() {
+            if least_of(some) + own >= best.0 {
+                continue;
+            }
+            for k in part * AT_ONCE..part * AT_ONCE + some.len() {
+                if sums[k] + own < best.0 && k != cheapest {
+                    offer(k, &mut best);
+                }
             }
         }
         best
     }
+}
+
+/// Sums of parts that are compared at once.
+const AT_ONCE: usize = 8;
+
+/// The least of some numbers; infinite without any. By lanes, which the compiler makes registers of.
+#[inline]
+fn least_of(numbers: &[f64]) -> f64 {
+    let mut lanes = [f64::INFINITY; AT_ONCE];
+    let parts = numbers.chunks_exact(AT_ONCE);
+    let less = |a: f64, b: f64| if b < a { b } else { a };
+    let rest = parts.remainder().iter().fold(f64::INFINITY, |a, &b| less(a, b));
+    for part in parts {
+        for (lane, &x) in lanes.iter_mut().zip(part) {
+            *lane = less(*lane, x);
+        }
+    }
+    lanes.into_iter().fold(rest, less)
 }
 
 /// What is greater by this factor is so whatever the rounding.

@@ -129,10 +129,12 @@ impl Neighbourhood {
                 monitor.check()?;
             }
             let [a, b, c] = mesh.faces.get(f).map(|v| codes[v as usize]);
-            if a & b & c & OUTSIDE != 0 {
+            // Most faces lie in one cell, or beyond one side.
+            if a == b && b == c && a < NEAR || sides(a) & sides(b) & sides(c) != 0 {
                 continue;
             }
-            if (a | b | c) & MARKED != 0 || grid.meets(&Bounds::of_triangle(corners(mesh, f))) {
+            let is_marked = a == MARKED || b == MARKED || c == MARKED;
+            if is_marked || grid.meets(&Bounds::of_triangle(corners(mesh, f))) {
                 face_ids.push(f as u32);
             }
         }
@@ -202,24 +204,31 @@ fn corners(mesh: MeshView<'_>, f: usize) -> [DVec3; 3] {
     [a, b, c].map(|v| DVec3::from(mesh.vertices.get(v as usize)))
 }
 
-/// Bits of [`outcodes`]: the six sides, and lying in a box or marked cell itself.
-const OUTSIDE: u8 = 0x3f;
-const MARKED: u8 = 0x80;
+/// Codes of [`outcodes`] beyond the numbers of cells, of which there are 33³ at most: with a bit for each of
+/// the six sides that a vertex lies beyond.
+const OUTSIDE: u16 = 0xff00;
+/// In a marked cell, but in no box.
+const NEAR: u16 = 0xfffe;
+/// In a box, or in a marked cell where those stand for the boxes.
+const MARKED: u16 = 0xffff;
 
-/// On which sides of the grid each vertex lies, a bit a side, or whether its place is marked.
-fn outcodes(mesh: MeshView<'_>, grid: &Grid, monitor: &Monitor) -> Result<Vec<u8>> {
-    let (min, max) = (grid.bounds.min, grid.bounds.max);
+/// The sides that a code names.
+#[inline]
+fn sides(code: u16) -> u16 {
+    match code {
+        OUTSIDE..NEAR => code ^ OUTSIDE,
+        _ => 0,
+    }
+}
+
+/// Where each vertex lies: the number of its cell if that is not marked, else one of the codes above.
+fn outcodes(mesh: MeshView<'_>, grid: &Grid, monitor: &Monitor) -> Result<Vec<u16>> {
     let n = mesh.vertices.len();
     let mut codes = Vec::with_capacity(n);
     for start in (0..n).step_by(CHUNK) {
         monitor.check()?;
-        codes.extend((start..n.min(start + CHUNK)).map(|v| {
-            let p = DVec3::from(mesh.vertices.get(v));
-            match (p.cmplt(min).bitmask() | p.cmpgt(max).bitmask() << 3) as u8 {
-                0 if grid.meets_point(p) => MARKED,
-                sides => sides,
-            }
-        }));
+        let vertices = start..n.min(start + CHUNK);
+        codes.extend(vertices.map(|v| grid.code(DVec3::from(mesh.vertices.get(v)))));
     }
     Ok(codes)
 }
@@ -244,17 +253,27 @@ impl FacePlaces {
         let grid = Grid::of(&[Bounds::of(
             (0..near.positions.len() as u32).map(|v| near.positions.get(v)),
         )]);
-        let cells: Vec<_> =
-            (0..near.faces.len() as u32).map(|f| grid.range(&near.face_box(f))).collect();
+        let cell: Vec<[u8; 3]> =
+            (0..near.positions.len() as u32).map(|v| grid.cell(near.positions.get(v))).collect();
+        // That of a face's box: cells do not fall where coordinates rise.
+        let range = |face: &[u32; 3]| {
+            let [a, b, c] = face.map(|v| cell[v as usize]);
+            let least = |d: usize| a[d].min(b[d]).min(c[d]);
+            let most = |d: usize| a[d].max(b[d]).max(c[d]);
+            match a == b && b == c {
+                true => (a, a),
+                false => ([0, 1, 2].map(least), [0, 1, 2].map(most)),
+            }
+        };
         let mut start = vec![0u32; grid.full.len() + 1];
-        cells.iter().for_each(|c| grid.visit(c, |i| start[i + 1] += 1));
+        near.faces.iter().for_each(|face| grid.visit(&range(face), |i| start[i + 1] += 1));
         for i in 1..start.len() {
             start[i] += start[i - 1];
         }
         let mut next = start.clone();
         let mut faces = vec![0; start[start.len() - 1] as usize];
-        for (f, range) in cells.iter().enumerate() {
-            grid.visit(range, |i| {
+        for (f, face) in near.faces.iter().enumerate() {
+            grid.visit(&range(face), |i| {
                 faces[next[i] as usize] = f as u32;
                 next[i] += 1;
             });
@@ -356,11 +375,19 @@ impl Grid {
         (self.cell(b.min), self.cell(b.max))
     }
 
-    /// Whether the cell of a point that lies in the grid is marked, or one of a few boxes holds it.
-    fn meets_point(&self, p: DVec3) -> bool {
-        match self.boxes.is_empty() {
-            true => self.full[self.index(self.cell(p))],
-            false => self.boxes.iter().any(|x| x.contains(&Bounds { min: p, max: p })),
+    /// Where a point lies, as in [`outcodes`].
+    #[inline]
+    fn code(&self, p: DVec3) -> u16 {
+        let sides = p.cmplt(self.bounds.min).bitmask() | p.cmpgt(self.bounds.max).bitmask() << 3;
+        if sides != 0 {
+            return OUTSIDE | sides as u16;
+        }
+        let cell = self.index(self.cell(p));
+        let in_box = |b: &Bounds| b.contains(&Bounds { min: p, max: p });
+        match self.full[cell] {
+            false => cell as u16,
+            true if self.boxes.is_empty() || self.boxes.iter().any(in_box) => MARKED,
+            true => NEAR,
         }
     }
 

@@ -4,8 +4,8 @@ use crate::checker::{check, filled_rims};
 use crate::meshes::{sheet, tube, within, Mesh};
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample};
 use complete_mesh::{
-    complete_mesh, find_holes, Completion, Fairing, Grouping, Method, Monitor, Options, Selection,
-    Sizing,
+    complete_mesh, find_holes, Completion, Fairing, Grouping, HoleKind, Method, Monitor, Options,
+    Selection, Sizing,
 };
 use glam::{DQuat, DVec3};
 
@@ -73,6 +73,23 @@ fn a_cylinder_is_continued() {
     };
     let (auto, membrane) = (off(Fairing::Auto), off(Fairing::C0));
     assert!(auto < 0.02 && auto < 0.4 * membrane, "auto {auto}, membrane {membrane}");
+}
+
+/// With more than 300 corners not all chords are tried: among those of one's own rim there is none across
+/// the band, and both rims were closed with lids.
+#[test]
+fn a_missing_band_between_long_rims_is_no_lids() {
+    let n = 200;
+    let edge = std::f64::consts::TAU / n as f64;
+    let place = |r: usize, a: f64| [a.cos(), a.sin(), edge * r as f64];
+    let mesh = tube(n, 60, place, |r, _| !(14..46).contains(&r));
+    let list = find_holes(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
+    let band = list.holes.iter().find(|h| h.kind == HoleKind::Ring).unwrap();
+    assert_eq!(band.edges, 2 * n);
+    let made = fill(&mesh, &with(Fairing::Auto, Selection::Ids(vec![band.id])));
+    // Of the band's width, which is one radius: lids are one radius off.
+    let off = worst(&made, |p| p.truncate().length() - 1.0);
+    assert!(off < 0.05, "{off}");
 }
 
 #[test]
