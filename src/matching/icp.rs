@@ -31,15 +31,15 @@ const INSIDE: f64 = 1e-6;
 /// What is known of a ring point's partner from earlier steps.
 #[derive(Clone, Copy)]
 pub struct Hint {
-    /// A vertex or a face: the next is hardly farther.
+    /// A vertex or a face: the next is hardly farther. [`NONE`]: none was near.
     found: u32,
-    /// Where the point was then, on the source.
+    /// Where the point was then, on the source; nowhere before the first step.
     of: DVec3,
 }
 
 impl Hint {
     /// Of a point without earlier steps.
-    pub const NOTHING: Self = Self { found: NONE, of: DVec3::ZERO };
+    pub const NOTHING: Self = Self { found: NONE, of: DVec3::INFINITY };
 }
 
 /// A known point of the ring with its normal and its tint (0 without colours).
@@ -220,9 +220,13 @@ pub fn find_partner(
     match partner {
         Partner::Vertex => {
             if !nearby {
-                let (v, d2) = source.points.nearest(p)?;
-                let usable = d2 <= radius * radius && !source.is_boundary(v);
-                *hint = if usable { Hint { found: v, of: p } } else { Hint::NOTHING };
+                // Where there was none, there is seldom one now: a bound ends that search early.
+                let near = match hint.found == NONE && hint.of.is_finite() {
+                    true => source.points.nearest_within(p, radius),
+                    false => source.points.nearest(p).filter(|n| n.1 <= radius * radius),
+                };
+                let usable = near.filter(|n| !source.is_boundary(n.0));
+                *hint = Hint { found: usable.map_or(NONE, |n| n.0), of: p };
             }
             let v = hint.found as usize;
             let tint = |paint: &Paint| (paint.tint[v], paint.slopes[v]);

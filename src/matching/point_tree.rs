@@ -3,6 +3,7 @@
 use crate::error::Result;
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::num::NonZero;
 
 /// A k-d tree over points that may be few or none; many are cut into pieces with a tree each, as the
 /// build of one cannot be stopped.
@@ -87,6 +88,21 @@ impl PointTree {
         Some(best)
     }
 
+    /// The same if it lies within a radius: much faster where there is none.
+    pub fn nearest_within(&self, p: DVec3, radius: f64) -> Option<(u32, f64)> {
+        let (one, mut best) = (NonZero::<usize>::MIN, None::<(u32, f64)>);
+        for piece in &self.pieces {
+            let limit = best.map_or(radius * radius, |b| b.1);
+            if piece.distance2(p) <= limit {
+                let at = p.to_array();
+                let found = piece.tree.nearest_n_within::<SquaredEuclidean>(&at, limit, one, true);
+                let found = found.first().filter(|f| best.is_none_or(|b| f.distance < b.1));
+                best = found.map(|f| (piece.ids[f.item as usize], f.distance)).or(best);
+            }
+        }
+        best
+    }
+
     /// The indices of the points, in ascending order.
     pub fn ids(&self) -> &[u32] {
         &self.ids
@@ -123,6 +139,8 @@ mod tests {
             let nearest = (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
             let (found, square) = tree.nearest(p).unwrap();
             assert_eq!((points[found as usize], square), (points[nearest], off(&nearest)));
+            assert_eq!(tree.nearest_within(p, 1.01 * square.sqrt()), Some((found, square)));
+            assert_eq!(tree.nearest_within(p, 0.99 * square.sqrt()), None);
             let radius = 0.05 + off(&nearest).sqrt();
             let within: Vec<u32> =
                 (0..points.len()).filter(|i| off(i) <= radius * radius).map(|i| i as u32).collect();
@@ -144,6 +162,8 @@ mod tests {
             let nearest = even.iter().map(d).fold(f64::INFINITY, f64::min);
             let (found, distance) = tree.nearest(*q + 0.3).unwrap();
             assert!((d(&found) - nearest).abs() < 1e-9 && (distance - nearest).abs() < 1e-9);
+            let (close, _) = tree.nearest_within(*q + 0.3, 50.0).unwrap();
+            assert!((d(&close) - nearest).abs() < 1e-9);
             let near: Vec<u32> = even.iter().copied().filter(|i| d(i) < 400.0).collect();
             assert_eq!(tree.within(*q + 0.3, 20.0), near);
         }
