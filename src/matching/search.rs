@@ -15,8 +15,6 @@ use std::sync::Arc;
 
 /// Source maps that the smallest hole is compared with: with 400 and with 1000 a twin far off was lost.
 const LEAST_MAPS: usize = 2000;
-/// So many for each new vertex are enough, too: a hole of a few has room for little detail.
-const A_VERTEX: usize = 40;
 /// Widths of the ring that are compared, in hole radii.
 const WIDTHS: [f64; 2] = [0.5, 1.0];
 /// Maps worked on between two looks at the wish to cancel.
@@ -49,7 +47,7 @@ impl Effort {
                 widened: 0,
             },
             1 => Self {
-                maps: (6 * n).max(LEAST_MAPS.min(A_VERTEX * n)),
+                maps: (6 * n).max(LEAST_MAPS),
                 widths: &WIDTHS,
                 kept: (n / 8).clamp(10, 80),
                 fine: (n / 12).clamp(6, 30),
