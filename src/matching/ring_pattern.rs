@@ -11,7 +11,7 @@
 //! nothing.
 
 use super::correlation::{Bin, Doubled, SoFar, Sums};
-use super::height_map::{bin_of, Frame, HeightMap, ANGLES, RADII};
+use super::height_map::{bin_of, Frame, HeightMap, ANGLES, RADII, WHOLE};
 use super::rigid::Rigid;
 use glam::{DMat3, DVec3};
 
@@ -31,6 +31,8 @@ pub struct RingPattern {
     frame: Frame,
     /// As it is, and mirrored; by radius.
     bins: [Vec<Bin>; 2],
+    /// The same as a bit for each angle.
+    masks: [[u64; RADII]; 2],
     /// Where the bins of each radius begin, and the end.
     rows: [usize; RADII + 1],
     /// The widths of the ring that are compared, ascending.
@@ -93,6 +95,7 @@ impl RingPattern {
         let mut widths = Vec::with_capacity(reaches.len());
         let (mut bins, mut sums) = ([Vec::new(), Vec::new()], Sums::default());
         let mut rows = [0; RADII + 1];
+        let mut masks = [[0; RADII]; 2];
         let mut tints = Vec::new();
         for r in 0..=lasts.last().copied().unwrap_or(0) {
             while lasts.get(widths.len()) == Some(&r) {
@@ -111,13 +114,15 @@ impl RingPattern {
                 // A mirrored source runs around the other way.
                 bins[0].push(Bin { r, a, moments });
                 bins[1].push(Bin { r, a: ANGLES - 1 - a, moments });
+                masks[0][r] |= 1 << a;
+                masks[1][r] |= 1 << (ANGLES - 1 - a);
                 sums.add(1.0, x, y, h);
                 tints.extend(known.tint.as_ref().map(|t| t[r][a]));
             }
             rows[r + 1..].fill(bins[0].len());
         }
         let roughness = known.roughness;
-        Self { tints, paint, frame, bins, rows, widths, inner, radius, roughness }
+        Self { tints, paint, frame, bins, masks, rows, widths, inner, radius, roughness }
     }
 
     /// Whether there is enough to compare with.
@@ -135,6 +140,9 @@ impl RingPattern {
         let doubled = Doubled::new(map);
         for mirrored in [false, true].into_iter().take(1 + usize::from(mirror)) {
             let bins = &self.bins[usize::from(mirrored)];
+            if !self.is_covered(&self.masks[usize::from(mirrored)], &map.known) {
+                continue;
+            }
             let mut so_far = SoFar::default();
             let (mut rows, mut first) = (0, 0);
             for (width, found) in self.widths.iter().zip(found.iter_mut()) {
@@ -161,6 +169,24 @@ impl RingPattern {
                 }
             }
         }
+    }
+
+    /// Whether a source that knows such bins covers enough of some width at some turn: many do not, and all
+    /// sums over them are in vain.
+    fn is_covered(&self, masks: &[u64; RADII], known: &[u64; RADII]) -> bool {
+        pulp::Arch::new().dispatch(|| {
+            (0..ANGLES).any(|turn| {
+                let (mut covered, mut row) = (0, 0);
+                self.widths.iter().any(|width| {
+                    for r in row..width.rows {
+                        let turned = (masks[r] << turn | masks[r] >> (ANGLES - turn)) & WHOLE;
+                        covered += (turned & known[r]).count_ones();
+                    }
+                    row = width.rows;
+                    f64::from(covered) / width.bins as f64 >= COVER
+                })
+            })
+        })
     }
 
     /// Tells `keep` the best turns of a width, with the plane and the cost.
