@@ -128,7 +128,7 @@ fn complete_shape(
     search: &Search<'_>,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<(Patch, Story)>> {
-    if fill.patch.positions.len() < fill.patch.rim_count + LEAST {
+    if fill.patch.new_count() < LEAST {
         return Ok(None);
     }
     let &Search { library, from, guidance, candidates, threads } = search;

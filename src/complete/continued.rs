@@ -87,7 +87,7 @@ impl Begun {
     }
 
     fn new_vertices(&self) -> usize {
-        self.fill.as_ref().map_or(0, |fill| fill.patch.positions.len() - fill.patch.rim_count)
+        self.fill.as_ref().map_or(0, |fill| fill.patch.new_count())
     }
 
     /// What its completion costs, about.

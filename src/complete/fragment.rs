@@ -70,7 +70,7 @@ pub fn complete_holes(
     let turns = Turned::all(mirrored);
     let check = || monitor.check();
     let mut results: Vec<Vec<Filled>> = initial.iter().map(|_| Vec::new()).collect();
-    let new = |i: &Initial<'_>| i.patch.positions.len() - i.patch.rim_count;
+    let new = |i: &Initial<'_>| i.patch.new_count();
     let share = Shares { holes: initial.iter().map(new).zip(wanted.iter().copied()).collect() };
     let (whole, mut done) = (share.of_all(most), 0.0);
     // Scale by scale, so that the candidates of one are there at a time.
@@ -80,7 +80,7 @@ pub fn complete_holes(
         let candidates = Candidates::new(two, radius, &turns, threads, &check)?;
         done += share.setup();
         for (hole, init) in initial.iter().enumerate().filter(|(h, _)| wanted[*h] >= scale) {
-            if init.patch.positions.len() < init.patch.rim_count + LEAST {
+            if init.patch.new_count() < LEAST {
                 continue;
             }
             let origin = &origins[hole];

@@ -136,7 +136,7 @@ impl Story {
     /// Of a patch that comes from nowhere.
     pub fn nothing(patch: &Patch) -> Self {
         Self {
-            origins: vec![Origin::NOWHERE; patch.positions.len() - patch.rim_count],
+            origins: vec![Origin::NOWHERE; patch.new_count()],
             colours: Vec::new(),
             sources: Vec::new(),
             seams: Vec::new(),
@@ -275,7 +275,7 @@ fn make(
         }
     };
     let Some(plate) = plate else { return Ok(Ok(patch)) };
-    let count = patch.positions.len() - patch.rim_count;
+    let count = patch.new_count();
     if in_steps(count) {
         *refined = Refined::Count(count);
         drop(patch);

@@ -42,7 +42,7 @@ pub fn complete_hole(
     search: &Search<'_>,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<(Patch, Story)>> {
-    if fill.patch.positions.len() < fill.patch.rim_count + LEAST {
+    if fill.patch.new_count() < LEAST {
         return Ok(None);
     }
     let task = Task { around, fill, search, check };

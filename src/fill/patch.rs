@@ -83,6 +83,12 @@ impl Patch {
         (v as usize) < self.rim_count
     }
 
+    /// How many vertices are new: all but the rim's.
+    #[inline]
+    pub fn new_count(&self) -> usize {
+        self.positions.len() - self.rim_count
+    }
+
     /// Position of a vertex.
     #[inline]
     pub fn p(&self, v: u32) -> DVec3 {

@@ -143,7 +143,7 @@ impl Sheet {
     /// Puts a patch and the band around its rim together.
     pub fn new(patch: &Patch, band: &Band, near: &Neighbourhood) -> Self {
         // Exactly what is needed: growing takes twice that.
-        let new = patch.positions.len() - patch.rim_count;
+        let new = patch.new_count();
         let mut positions = Vec::with_capacity(new + band.vertices.len());
         positions.extend_from_slice(&patch.positions);
         let mut triangles = Vec::with_capacity(patch.triangles.len() + band.faces.len());
