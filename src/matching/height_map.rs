@@ -83,9 +83,17 @@ pub fn bin_of(local: DVec3, radius: f64) -> Option<(usize, usize)> {
 
 /// The angle bin of a turn.
 #[inline(always)]
-fn angle_bin(turn: f32) -> i32 {
+fn angle_bin(turn: f32) -> f32 {
     // A turn of just below 0 may be rounded to 1.
-    ((turn * ANGLES as f32) as i32).min(ANGLES as i32 - 1)
+    (turn * ANGLES as f32).floor().min(ANGLES as f32 - 1.0)
+}
+
+/// A whole number from 0 to 2²³ that is stored as a float, read from its bits: a cast, which looks at what is out
+/// of range, is not done in vector lanes.
+#[inline(always)]
+fn whole_number(x: f32) -> u32 {
+    const TWO_23: f32 = 8_388_608.0;
+    (x + TWO_23).to_bits() - TWO_23.to_bits()
 }
 
 /// The angle of (x, y) in turns, 0 to 1, within 2e-6: without branches, so that it runs in vector
@@ -239,11 +247,11 @@ impl WithSimd for Adding<'_> {
                 within[l] = f32::from(u8::from(is_within));
             }
             for l in 0..LANES {
-                // Without a choice between two, which would be a branch.
-                let r = (within[l] * radius[l]) as i32;
-                let bin = r * ANGLES as i32 + angle_bin(turn[l]);
-                let off = 1 - within[l] as i32;
-                places.bin[l] = (bin + off * (BINS as i32 + l as i32 - bin)) as u32;
+                // Without a choice between two, which would be a branch; NaN is on no bin.
+                let r = radius[l].min(RADII as f32 - 0.5).floor();
+                let beyond = (BINS + l) as f32;
+                let bin = within[l] * (r * ANGLES as f32 + angle_bin(turn[l]));
+                places.bin[l] = whole_number((bin + (1.0 - within[l]) * beyond).min(beyond));
                 places.roughness[l] = within[l] * group.roughness[l];
             }
             if group.is_completed {
