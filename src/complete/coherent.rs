@@ -12,6 +12,7 @@
 use super::coloured::{lack, take_colours, EMPHASIS};
 use super::guided::{rank, transforms, RankedView};
 use super::library::Library;
+use super::quilted::quilt_colours;
 use super::smooth::{Fill, Story, Surroundings};
 use crate::error::Result;
 use crate::fill::patch::Patch;
@@ -64,10 +65,11 @@ pub fn complete_hole(
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<(Patch, Story)>> {
     let shape = complete_shape(around, fill, search, check)?;
-    with_colours(around, fill, search, shape, &|_, target| {
+    let find = |_: &Domain, target: Target<'_>| {
         let found = search.library.candidates(&[target], search.threads, &|_| check(1.0))?;
         Ok(found.iter().flatten().map(|c| c.transform).collect())
-    })
+    };
+    with_colours(around, fill, search, shape, &find, &|| check(1.0))
 }
 
 /// The places for a target of a domain, best first.
@@ -81,11 +83,12 @@ pub fn with_colours(
     search: &Search<'_>,
     shape: Option<(Patch, Story)>,
     find: Find<'_>,
+    check: &dyn Fn() -> Result<()>,
 ) -> Result<Option<(Patch, Story)>> {
     let nothing = shape.is_none();
     let (patch, mut story) =
         shape.unwrap_or_else(|| (fill.patch.clone(), Story::nothing(&fill.patch)));
-    search_colours(around, fill, search, &patch, &mut story, find)?;
+    search_colours(around, fill, search, &patch, &mut story, find, check)?;
     Ok((!nothing || !story.colours.is_empty()).then_some((patch, story)))
 }
 
@@ -97,6 +100,7 @@ fn search_colours(
     patch: &Patch,
     story: &mut Story,
     find: Find<'_>,
+    check: &dyn Fn() -> Result<()>,
 ) -> Result<()> {
     let &Search { library, guidance, threads, .. } = search;
     // One place that was chosen gives all.
@@ -106,7 +110,10 @@ fn search_colours(
     let Some(domain) = domain.filter(|d| !d.is_slender()) else { return Ok(()) };
     let ring = domain.ring_points();
     let found = find(&domain, Target { emphasis: EMPHASIS, ..domain.target(&ring) })?;
-    take_colours(story, &domain, library.source(), &found, rho, threads)
+    if !take_colours(story, &domain, library.source(), &found, rho, threads)? {
+        quilt_colours(story, &domain, library, rho, threads, check)?;
+    }
+    Ok(())
 }
 
 /// A patch with what is known around its hole.

@@ -72,7 +72,8 @@ fn leaves(domain: &Domain, source: &Source, copy: &Copy) -> Option<f64> {
 }
 
 /// Takes the colours of the fill from the best of some places, if it is better than those that the shape comes
-/// from, which leave `rho`, and surely to be believed. `domain`: the finished fill with what is around it.
+/// from, which leave `rho`, and surely to be believed; says whether it is. `domain`: the finished fill with what is
+/// around it.
 pub fn take_colours(
     story: &mut Story,
     domain: &Domain,
@@ -80,7 +81,7 @@ pub fn take_colours(
     transforms: &[Rigid],
     rho: f64,
     threads: usize,
-) -> Result<()> {
+) -> Result<bool> {
     let one = |i: usize| {
         let copy = project(domain, source, &transforms[i])?;
         let left = leaves(domain, source, &copy)?;
@@ -89,10 +90,11 @@ pub fn take_colours(
     let tried = transforms.len().min(TRIED);
     let found = parallel::map(tried, threads, &|| Ok(()), &one)?;
     let best = found.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((left, copy)) = best.filter(|b| b.0 < BETTER * f64::min(rho, TRUSTED.0)) {
-        tell(story, domain, source, &copy, left);
+    let best = best.filter(|b| b.0 < BETTER * f64::min(rho, TRUSTED.0));
+    if let Some((left, copy)) = &best {
+        tell(story, domain, source, copy, *left);
     }
-    Ok(())
+    Ok(best.is_some())
 }
 
 fn tell(story: &mut Story, domain: &Domain, source: &Source, copy: &Copy, left: f64) {

@@ -14,6 +14,7 @@ mod initial;
 mod library;
 mod part;
 mod pulled;
+mod quilted;
 mod searches;
 mod smooth;
 mod together;

@@ -46,9 +46,10 @@ pub fn complete_hole(
         return Ok(None);
     }
     let task = Task { around, fill, search, check };
-    with_colours(around, fill, search, task.shape()?, &|domain, target| {
+    let find = |domain: &Domain, target: Target<'_>| {
         task.find(domain, &target, By::Colour, &|_| check(1.0))
-    })
+    };
+    with_colours(around, fill, search, task.shape()?, &find, &|| check(1.0))
 }
 
 /// One hole.

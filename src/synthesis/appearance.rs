@@ -40,6 +40,9 @@ pub const TRUSTED: (f64, f64) = (0.5, 0.8);
 const UNSEEN: f64 = 0.03;
 /// Weight of an edge to a rim vertex that values do not go on from: only where no other says anything is it heard.
 const LOOSE: f64 = 1e-6;
+/// Steps of copies that can only look right are made larger by this factor at most, as detail of shape is
+/// ([`super::join`]).
+const MOST_GAIN: f64 = 1.5;
 /// Fewer vertices of the ring than this say nothing.
 const LEAST: usize = 12;
 
@@ -64,48 +67,52 @@ pub fn complete_rows(completion: &Completion, known: &dyn Known) -> Option<Vec<f
     if n == 0 || channels == 0 {
         return Some(Vec::new());
     }
-    let guide = Guide::new(completion, known);
+    let mut guide = Guide::new(completion, known);
+    let edges = edges(completion);
+    let mut matrix = matrix(completion, &edges);
+    let mut corrections = guide.solve(&mut matrix, &edges)?;
     let input = completion.input_vertex_count as u32;
-    let mut columns: Vec<Vec<(u32, f64)>> = (0..n).map(|i| vec![(i as u32, 0.0)]).collect();
-    let mut rhs = vec![vec![0.0; n]; channels];
-    let loose: HashSet<u32> = completion.loose.iter().copied().collect();
-    for [a, b] in edges(completion) {
-        // The new one of the two, or the first.
-        let (i, j) = if a < input { (b, a) } else { (a, b) };
-        let step = guide.step(i, j);
-        let at = (i - input) as usize;
-        let weight = if loose.contains(&j) { LOOSE } else { 1.0 };
-        columns[at][0].1 += weight;
-        for (c, rhs) in rhs.iter_mut().enumerate() {
-            rhs[at] += weight * (step(c) - (guide.base(i, c) - guide.base(j, c)));
-        }
-        if let Some(other) = j.checked_sub(input) {
-            let (low, high) = (at.min(other as usize), at.max(other as usize));
-            columns[low].push((high as u32, -1.0));
-            columns[other as usize][0].1 += 1.0;
-            for (c, rhs) in rhs.iter_mut().enumerate() {
-                rhs[other as usize] -= step(c) - (guide.base(i, c) - guide.base(j, c));
-            }
-        }
-    }
-    let mut matrix = Symmetric::from_columns(columns);
-    for channels in &guide.groups {
-        let factor = matrix.factor(1.0, &guide.screens(channels.start))?;
-        factor.solve(&mut rhs[channels.clone()]);
+    guide.gains = guide.lost(&edges, &corrections);
+    if !guide.gains.is_empty() {
+        corrections = guide.solve(&mut matrix, &edges)?;
     }
     let ranges: Vec<[f64; 2]> = (0..channels).map(|c| known.range(c)).collect();
     let mut rows = Vec::with_capacity(n * channels);
     for i in 0..n {
         for (c, range) in ranges.iter().enumerate() {
-            let value = guide.base(input + i as u32, c) + rhs[c][i];
+            let value = guide.base(input + i as u32, c) + corrections[c][i];
             rows.push(value.clamp(range[0], range[1]));
         }
     }
     Some(rows)
 }
 
+/// Σ_edges (y_i − y_j)² of the corrections y.
+fn matrix(completion: &Completion, edges: &[Edge]) -> Symmetric {
+    let n = completion.vertices.len();
+    let input = completion.input_vertex_count as u32;
+    let mut columns: Vec<Vec<(u32, f64)>> = (0..n).map(|i| vec![(i as u32, 0.0)]).collect();
+    for &Edge { i, j, weight } in edges {
+        let at = (i - input) as usize;
+        columns[at][0].1 += weight;
+        if let Some(other) = j.checked_sub(input) {
+            let (low, high) = (at.min(other as usize), at.max(other as usize));
+            columns[low].push((high as u32, -1.0));
+            columns[other as usize][0].1 += 1.0;
+        }
+    }
+    Symmetric::from_columns(columns)
+}
+
+/// An edge from a new vertex to another, or to one of the rim.
+struct Edge {
+    i: u32,
+    j: u32,
+    weight: f64,
+}
+
 /// Edges with a new vertex, each once.
-fn edges(completion: &Completion) -> Vec<[u32; 2]> {
+fn edges(completion: &Completion) -> Vec<Edge> {
     let input = completion.input_vertex_count as u32;
     let mut edges: Vec<[u32; 2]> = completion
         .faces
@@ -116,7 +123,13 @@ fn edges(completion: &Completion) -> Vec<[u32; 2]> {
         .collect();
     edges.sort_unstable();
     edges.dedup();
-    edges
+    let loose: HashSet<u32> = completion.loose.iter().copied().collect();
+    let edge = |[a, b]: [u32; 2]| {
+        // The new one of the two, or the first.
+        let (i, j) = if a < input { (b, a) } else { (a, b) };
+        Edge { i, j, weight: if loose.contains(&j) { LOOSE } else { 1.0 } }
+    };
+    edges.into_iter().map(edge).collect()
 }
 
 /// What the copies say.
@@ -133,13 +146,16 @@ struct Guide<'a> {
     groups: Vec<Range<usize>>,
     /// α by channel, by hole and source.
     trust: BTreeMap<[u32; 2], Vec<f64>>,
+    /// What the steps of copies that the ring does not judge are multiplied by, by hole, then channel; 1
+    /// where there is none.
+    gains: BTreeMap<u32, Vec<f64>>,
 }
 
 impl<'a> Guide<'a> {
     fn new(completion: &'a Completion, known: &'a dyn Known) -> Self {
         let (rows, own, beside) = (Vec::new(), Vec::new(), HashMap::new());
-        let (groups, trust) = (groups(known), BTreeMap::new());
-        let mut guide = Self { completion, known, rows, own, beside, groups, trust };
+        let (groups, trust, gains) = (groups(known), BTreeMap::new(), BTreeMap::new());
+        let mut guide = Self { completion, known, rows, own, beside, groups, trust, gains };
         for origin in completion.colours_from() {
             let row = guide.copy(origin.face, origin.barycentric);
             guide.own.push(row.unwrap_or(usize::MAX));
@@ -219,8 +235,8 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// g of an edge, by channel: the mean over the sources of its ends; 0 if they say nothing.
-    fn step(&self, i: u32, j: u32) -> impl Fn(usize) -> f64 + '_ {
+    /// What the sources of its ends say of an edge: rows at both, and the source.
+    fn said(&self, i: u32, j: u32) -> (u32, [Option<(usize, usize, u32)>; 2]) {
         let input = self.completion.input_vertex_count as u32;
         let hole = self.completion.vertex_hole[(i - input) as usize];
         let from = self.completion.colours_from();
@@ -230,14 +246,79 @@ impl<'a> Guide<'a> {
             let source = source.filter(|&s| s != NONE)?;
             Some((self.row(i, hole, source)?, self.row(j, hole, source)?, source))
         });
+        (hole, said)
+    }
+
+    /// g of an edge, by channel: the mean over the sources of its ends; 0 if they say nothing.
+    fn step(&self, i: u32, j: u32) -> impl Fn(usize) -> f64 + '_ {
+        let (hole, said) = self.said(i, j);
+        let gains = self.gains.get(&hole);
         move |c| {
             let (mut sum, mut count) = (0.0, 0.0);
             for (x, y, source) in said.into_iter().flatten() {
-                sum += self.alpha(hole, source, c) * (self.value(x, c) - self.value(y, c));
+                let judged = self.trust.contains_key(&[hole, source]);
+                let gain = gains.filter(|_| !judged).map_or(1.0, |g| g[c]);
+                sum += gain * self.alpha(hole, source, c) * (self.value(x, c) - self.value(y, c));
                 count += 1.0;
             }
             sum / f64::max(count, 1.0)
         }
+    }
+
+    /// The corrections x − s, by channel.
+    fn solve(&self, matrix: &mut Symmetric, edges: &[Edge]) -> Option<Vec<Vec<f64>>> {
+        let input = self.completion.input_vertex_count as u32;
+        let mut rhs = vec![vec![0.0; self.own.len()]; self.known.channels()];
+        for &Edge { i, j, weight } in edges {
+            let step = self.step(i, j);
+            for (c, rhs) in rhs.iter_mut().enumerate() {
+                let lacking = step(c) - (self.base(i, c) - self.base(j, c));
+                rhs[(i - input) as usize] += weight * lacking;
+                if let Some(other) = j.checked_sub(input) {
+                    rhs[other as usize] -= lacking;
+                }
+            }
+        }
+        for channels in &self.groups {
+            let factor = matrix.factor(1.0, &self.screens(channels.start))?;
+            factor.solve(&mut rhs[channels.clone()]);
+        }
+        Some(rhs)
+    }
+
+    /// How many times larger the steps of copies that the ring does not judge are than what is left of them, by
+    /// hole and channel. Such a copy is to look right, and where many meet their steps cancel out.
+    fn lost(&self, edges: &[Edge], corrections: &[Vec<f64>]) -> BTreeMap<u32, Vec<f64>> {
+        let (input, channels) = (self.completion.input_vertex_count as u32, self.known.channels());
+        let value = |v: u32, c: usize| {
+            self.base(v, c) + v.checked_sub(input).map_or(0.0, |i| corrections[c][i as usize])
+        };
+        let mut sums: BTreeMap<u32, Vec<[f64; 2]>> = BTreeMap::new();
+        for &Edge { i, j, .. } in edges {
+            let (hole, said) = self.said(i, j);
+            let said: Vec<_> = said.into_iter().flatten().collect();
+            let judged = said.iter().any(|s| self.trust.contains_key(&[hole, s.2]));
+            if said.is_empty() || judged {
+                continue;
+            }
+            let sums = sums.entry(hole).or_insert_with(|| vec![[0.0; 2]; channels]);
+            for (c, [copied, kept]) in sums.iter_mut().enumerate() {
+                let square =
+                    |s: &(usize, usize, u32)| (self.value(s.0, c) - self.value(s.1, c)).powi(2);
+                *copied += said.iter().map(square).sum::<f64>() / said.len() as f64;
+                *kept += (value(i, c) - value(j, c)).powi(2);
+            }
+        }
+        let gains = |sums: Vec<[f64; 2]>| {
+            let mut gains = vec![1.0; channels];
+            for group in &self.groups {
+                let sum = |k: usize| sums[group.clone()].iter().map(|s| s[k]).sum::<f64>();
+                let gain = (sum(0) / f64::max(sum(1), f64::MIN_POSITIVE)).sqrt();
+                gains[group.clone()].fill(gain.clamp(1.0, MOST_GAIN));
+            }
+            gains
+        };
+        sums.into_iter().map(|(hole, sums)| (hole, gains(sums))).collect()
     }
 
     /// α ε of each new vertex.

@@ -166,6 +166,17 @@ impl Domain {
         }
     }
 
+    /// Pairs of fill vertices that an edge joins, by their numbers among the fill's.
+    pub fn fill_edges(&self) -> Vec<(u32, u32)> {
+        let first = self.fill.start;
+        let mut edges = Vec::new();
+        for v in self.fill.clone() {
+            let later = self.laplacian.row(v).filter(|&(w, _)| w > v && self.fill.contains(&w));
+            edges.extend(later.map(|(w, _)| ((v - first) as u32, (w - first) as u32)));
+        }
+        edges
+    }
+
     fn find_ring(&self) -> Vec<usize> {
         let width = RING * self.radius;
         let of_ring = |&v: &usize| {

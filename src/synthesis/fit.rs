@@ -232,7 +232,8 @@ fn apply(
             rest
         })
         .collect();
-    let Some(faded) = fade(domain, &leftover, check)? else { return Ok(None) };
+    let screen = 1.0 / (FADE * domain.radius).powi(2);
+    let Some(faded) = carry_in(domain, &leftover, screen, check)? else { return Ok(None) };
     check()?;
     let heights = copies
         .iter()
@@ -252,15 +253,16 @@ fn apply(
     }))
 }
 
-/// (L + M/ℓ²) e = 0 in the fill, e given on the known vertices.
-fn fade(
+/// (L + M/ℓ²) e = 0 in the fill, e given on the known vertices. `screen`: 1/ℓ², per square mesh unit. `None` if
+/// that cannot be factored.
+pub fn carry_in(
     domain: &Domain,
     given: &[Vec<f64>],
+    screen: f64,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Option<Vec<Vec<f64>>>> {
     let l = &domain.laplacian;
     let first = domain.fill.start;
-    let screen = 1.0 / (FADE * domain.radius).powi(2);
     let column = |v: usize| {
         let below = l.row(v).filter(|&(w, _)| w > v && domain.fill.contains(&w));
         let entries = below.map(|(w, x)| ((w - first) as u32, -x));

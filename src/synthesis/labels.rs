@@ -16,7 +16,7 @@ const ROUNDS: usize = 2;
 
 /// What is to be minimised.
 pub struct Energy<'a> {
-    /// Cost of label l at vertex i: `unary[l][i]`.
+    /// Cost of label l at vertex i: `unary[l][i]`; infinite where it must not be.
     pub unary: &'a [Vec<f64>],
     /// Value of label l at vertex i; seams cost their differences.
     pub values: &'a [Vec<f64>],
@@ -52,16 +52,14 @@ impl Energy<'_> {
         unary + seams
     }
 
-    /// A labelling with (locally) least energy, started from label `first` everywhere. Labels are
-    /// offered in the order given.
+    /// A labelling with (locally) least energy, started from another. Labels are offered in the order
+    /// given.
     pub fn minimise(
         &self,
-        first: usize,
+        mut labels: Vec<usize>,
         order: &[usize],
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Vec<usize>> {
-        let n = self.unary.first().map_or(0, Vec::len);
-        let mut labels = vec![first; n];
         let mut energy = self.of(&labels);
         for _ in 0..ROUNDS {
             let before = energy;
@@ -88,13 +86,22 @@ impl Energy<'_> {
         alpha: usize,
         check: &dyn Fn() -> Result<()>,
     ) -> Result<Vec<usize>> {
-        let n = labels.len();
+        // Where α must not be, all is as it is.
+        let mut number = vec![usize::MAX; labels.len()];
+        let free: Vec<usize> =
+            (0..labels.len()).filter(|&i| self.unary[alpha][i].is_finite()).collect();
+        free.iter().enumerate().for_each(|(k, &i)| number[i] = k);
+        let n = free.len();
         let mut flow = Flow::new(n + 2);
         let (source, sink) = (n, n + 1);
         let mut keep: Vec<f64> =
             labels.iter().enumerate().map(|(i, &l)| self.unary[l][i]).collect();
         let mut take: Vec<f64> = self.unary[alpha].clone();
         for &(i, j) in self.edges {
+            let ends = [i, j].map(|v| number[v as usize]);
+            if ends == [usize::MAX; 2] {
+                continue;
+            }
             let (a, b) = (labels[i as usize], labels[j as usize]);
             let both = self.seam(i, j, a, b);
             let only_j = self.seam(i, j, a, alpha);
@@ -102,19 +109,29 @@ impl Energy<'_> {
             // θ(keep, keep) = both, θ(keep, take) = only_j, θ(take, keep) = only_i, θ(take, take) = 0.
             keep[i as usize] += both;
             take[i as usize] += only_i;
+            if ends[1] == usize::MAX {
+                continue;
+            }
+            if ends[0] == usize::MAX {
+                keep[j as usize] += both;
+                take[j as usize] += only_j;
+                continue;
+            }
             keep[j as usize] += 0.0;
             take[j as usize] -= only_i;
             let cross = (only_j + only_i - both).max(0.0);
-            flow.add(i as usize, j as usize, cross, 0.0);
+            flow.add(ends[0], ends[1], cross, 0.0);
         }
-        for i in 0..n {
+        for (k, &i) in free.iter().enumerate() {
             // Keeping cuts the edge to the sink, taking that from the source.
             let least = keep[i].min(take[i]);
-            flow.add(source, i, take[i] - least, 0.0);
-            flow.add(i, sink, keep[i] - least, 0.0);
+            flow.add(source, k, take[i] - least, 0.0);
+            flow.add(k, sink, keep[i] - least, 0.0);
         }
         let kept = flow.source_side(source, sink, check)?;
-        Ok((0..n).map(|i| if kept[i] { labels[i] } else { alpha }).collect())
+        let mut moved = labels.to_vec();
+        free.iter().enumerate().filter(|&(k, _)| !kept[k]).for_each(|(_, &i)| moved[i] = alpha);
+        Ok(moved)
     }
 }
 
@@ -224,7 +241,7 @@ impl Flow {
 mod tests {
     use super::*;
 
-    /// A chain of four with three labels: every labelling is tried.
+    /// A chain of four with three labels, some of which must not be: every labelling is tried.
     #[test]
     fn no_labelling_of_a_chain_is_better() {
         let noise = |s: usize| ((s * 7919 + 13) % 101) as f64 / 101.0;
@@ -232,10 +249,14 @@ mod tests {
             let table = |k: usize| -> Vec<Vec<f64>> {
                 (0..3).map(|l| (0..4).map(|i| noise(seed * 64 + k + 4 * l + i)).collect()).collect()
             };
-            let (unary, values) = (table(0), table(31));
+            let (mut unary, values) = (table(0), table(31));
+            // Label 0, the first, may be everywhere.
+            for k in 0..seed % 4 {
+                unary[1 + k % 2][(seed + k) % 4] = f64::INFINITY;
+            }
             let edges = [(0, 1), (1, 2), (2, 3)];
             let energy = Energy { unary: &unary, values: &values, rows: (&[], 0), edges: &edges };
-            let found = energy.of(&energy.minimise(0, &[0, 1, 2], &|| Ok(())).unwrap());
+            let found = energy.of(&energy.minimise(vec![0; 4], &[0, 1, 2], &|| Ok(())).unwrap());
             let all = (0..81).map(|c| energy.of(&[c % 3, c / 3 % 3, c / 9 % 3, c / 27]));
             let best = all.fold(f64::INFINITY, f64::min);
             // Expansion moves promise a factor of two; on a chain they nearly always find the best.

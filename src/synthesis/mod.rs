@@ -16,6 +16,8 @@ pub mod join;
 pub mod labels;
 pub mod levels;
 pub mod project;
+pub mod quilt;
+pub mod quilt_cut;
 pub mod rank;
 pub mod repair;
 pub mod resemblance;

@@ -164,12 +164,7 @@ fn choose_labels(
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<usize>> {
     let domain = &window.domain;
-    let first = domain.fill.start;
-    let mut edges = Vec::new();
-    for v in domain.fill.clone() {
-        let later = domain.laplacian.row(v).filter(|&(w, _)| w > v && domain.fill.contains(&w));
-        edges.extend(later.map(|(w, _)| ((v - first) as u32, (w - first) as u32)));
-    }
+    let edges = domain.fill_edges();
     let values: Vec<Vec<f64>> =
         fitted.heights.iter().map(|h| h[domain.fill.clone()].to_vec()).collect();
     // The score's second factor alone is a length, as the seams are.
@@ -194,5 +189,5 @@ fn choose_labels(
     let rows: Vec<Vec<f64>> = painted.map(of_fill).collect();
     let rows = (&rows[..], channels);
     let energy = Energy { unary: &unary, values: &values, rows, edges: &edges };
-    energy.minimise(scores.best, &order, check)
+    energy.minimise(vec![scores.best; base.len()], &order, check)
 }

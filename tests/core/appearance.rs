@@ -437,3 +437,100 @@ fn the_painted_vessel_gets_its_pattern_back() {
     println!("off by {copied:.1} of 255, from the rim {blurred:.1}");
     assert!(copied < 0.4 * blurred, "{copied} {blurred}");
 }
+
+/// Stripes that wander, so that none goes on as another does.
+fn stripes(p: DVec3) -> Vec<f64> {
+    let wander = 1.9 * (1.7 * p.x + 0.3).sin() + 1.3 * (2.9 * p.x - 1.9 * p.y).sin();
+    let v = (2.5 * (17.0 * p.y + 6.0 * (p.x * p.x) + wander).sin()).tanh();
+    vec![0.5 + 0.4 * v, 0.5 - 0.2 * v, 0.3 + 0.1 * v]
+}
+
+/// Spots, each of its own size, shade and place in a cell of the wall.
+fn spots(p: DVec3) -> Vec<f64> {
+    let cell = (p * 4.0).floor();
+    let mut v: f64 = 0.0;
+    for (dx, dy) in (-1..=1).flat_map(|x| (-1..=1).map(move |y| (x, y))) {
+        let c = cell + DVec3::new(f64::from(dx), f64::from(dy), 0.0);
+        let random = |k: f64| (k * 1e4 * (12.9898 * c.x + 78.233 * c.y + k).sin()).rem_euclid(1.0);
+        let at = c + DVec3::new(0.2 + 0.6 * random(1.0), 0.2 + 0.6 * random(1.3), 0.0);
+        let size = 0.25 + 0.2 * random(1.7);
+        v = v.max((1.0 - (p * 4.0).truncate().distance(at.truncate()) / size).clamp(0.0, 0.5));
+    }
+    vec![0.2 + 1.2 * v, 0.6 - 0.8 * v, 0.4]
+}
+
+/// Root mean square step along some edges, over all channels.
+fn steps(edges: &[[usize; 2]], row: &dyn Fn(usize) -> Vec<f64>) -> f64 {
+    let square = |&[a, b]: &[usize; 2]| -> f64 {
+        row(a).iter().zip(row(b)).map(|(x, y)| (x - y) * (x - y)).sum()
+    };
+    (edges.iter().map(square).sum::<f64>() / edges.len() as f64).sqrt()
+}
+
+/// Root of the variance over all channels.
+fn spread(rows: &[Vec<f64>]) -> f64 {
+    let n = rows.len() as f64;
+    let mean = |c: usize| rows.iter().map(|r| r[c]).sum::<f64>() / n;
+    let of = |c: usize| rows.iter().map(|r| (r[c] - mean(c)).powi(2)).sum::<f64>() / n;
+    (0..rows[0].len()).map(of).sum::<f64>().sqrt()
+}
+
+/// Paint that nothing on the wall continues is put together of pieces: contrast, detail and the change across the
+/// rim are those of the paint around it, where a blur has none; it is no farther from the truth than another
+/// sample of the paint would be (√2 of its spread), and the same on any number of threads.
+#[test]
+fn paint_that_nothing_continues_still_looks_like_it() {
+    for (name, truth) in [("stripes", stripes as fn(DVec3) -> Vec<f64>), ("spots", spots)] {
+        let mesh = lathe(true);
+        let values = painted(&mesh, &truth, 3);
+        let made = fill_inner(&mesh, Some(values.clone()));
+        let found = values.complete((&mesh.faces[..]).into(), None, &made);
+        let n = mesh.vertices.len();
+        let known = |v: usize| values.values[3 * v..][..3].to_vec();
+        let row = |v: usize| if v < n { known(v) } else { found[3 * (v - n)..][..3].to_vec() };
+        let place =
+            |v: usize| DVec3::from(if v < n { mesh.vertices[v] } else { made.vertices[v - n] });
+        let right = |v: usize| truth(place(v));
+        let (mut inside, mut across) = (Vec::new(), Vec::new());
+        for f in &made.faces {
+            for [a, b] in [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]] {
+                let edge = [a as usize, b as usize];
+                match edge.iter().filter(|&&v| v < n).count() {
+                    0 => inside.push(edge),
+                    1 => across.push(edge),
+                    _ => {}
+                }
+            }
+        }
+        let new: Vec<usize> = (n..n + made.vertices.len()).collect();
+        let of = |row: &dyn Fn(usize) -> Vec<f64>| {
+            spread(&new.iter().map(|&v| row(v)).collect::<Vec<_>>())
+        };
+        let contrast = of(&row) / of(&right);
+        let detail = steps(&inside, &row) / steps(&inside, &right);
+        let seam = steps(&across, &row) / steps(&across, &right);
+        let error = off(&made, &found, &truth).0 * 3f64.sqrt() / of(&right);
+        println!(
+            "{name}: contrast {contrast:.2}, detail {detail:.2}, seam {seam:.2}, error {error:.2}"
+        );
+        assert!((0.7..1.3).contains(&contrast) && (0.7..1.3).contains(&detail), "{name}");
+        assert!(seam < 1.3 && error < 1.45, "{name}: {seam} {error}");
+        let coloured: usize = made.holes.iter().flat_map(|h| &h.sources).map(|s| s.coloured).sum();
+        assert_eq!(coloured, made.vertices.len(), "each vertex has a piece");
+    }
+}
+
+/// Colours that change slowly are best carried in from the rim: no pieces.
+#[test]
+fn slow_colours_are_not_quilted() {
+    let mesh = lathe(true);
+    let truth = |p: DVec3| {
+        vec![0.5 + 0.4 * (0.9 * p.x + 0.4 * p.y + 0.1 * p.x * p.y).sin(), 0.4, 0.1 * p.y]
+    };
+    let values = painted(&mesh, &truth, 3);
+    let made = fill_inner(&mesh, Some(values.clone()));
+    let found = values.complete((&mesh.faces[..]).into(), None, &made);
+    let error = off(&made, &found, &truth).0;
+    println!("off by {error:.4}");
+    assert!(error < 0.02 && made.holes.iter().flat_map(|h| &h.sources).count() < 50);
+}
