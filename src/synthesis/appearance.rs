@@ -286,39 +286,55 @@ impl<'a> Guide<'a> {
         Some(rhs)
     }
 
-    /// How many times larger the steps of copies that the ring does not judge are than what is left of them, by
-    /// hole and channel. Such a copy is to look right, and where many meet their steps cancel out.
+    /// How many times larger the steps along the rim are than those of copies that the ring does not judge, by hole
+    /// and channel. Such copies are to look right, and are blander than the rim: smooth places differ least
+    /// from what is half known, and where copies meet their steps cancel out.
     fn lost(&self, edges: &[Edge], corrections: &[Vec<f64>]) -> BTreeMap<u32, Vec<f64>> {
         let (input, channels) = (self.completion.input_vertex_count as u32, self.known.channels());
         let value = |v: u32, c: usize| {
             self.base(v, c) + v.checked_sub(input).map_or(0.0, |i| corrections[c][i as usize])
         };
-        let mut sums: BTreeMap<u32, Vec<[f64; 2]>> = BTreeMap::new();
+        let squares = |a: u32, b: u32, sums: &mut Vec<f64>| {
+            sums.resize(channels, 0.0);
+            sums.iter_mut()
+                .enumerate()
+                .for_each(|(c, s)| *s += (value(a, c) - value(b, c)).powi(2));
+        };
+        let mut made: BTreeMap<u32, (Vec<f64>, usize)> = BTreeMap::new();
         for &Edge { i, j, .. } in edges {
             let (hole, said) = self.said(i, j);
-            let said: Vec<_> = said.into_iter().flatten().collect();
-            let judged = said.iter().any(|s| self.trust.contains_key(&[hole, s.2]));
-            if said.is_empty() || judged {
-                continue;
-            }
-            let sums = sums.entry(hole).or_insert_with(|| vec![[0.0; 2]; channels]);
-            for (c, [copied, kept]) in sums.iter_mut().enumerate() {
-                let square =
-                    |s: &(usize, usize, u32)| (self.value(s.0, c) - self.value(s.1, c)).powi(2);
-                *copied += said.iter().map(square).sum::<f64>() / said.len() as f64;
-                *kept += (value(i, c) - value(j, c)).powi(2);
+            let judged = |s: (usize, usize, u32)| self.trust.contains_key(&[hole, s.2]);
+            if said.iter().flatten().next().is_some() && !said.into_iter().flatten().any(judged) {
+                let (sums, count) = made.entry(hole).or_default();
+                squares(i, j, sums);
+                *count += 1;
             }
         }
-        let gains = |sums: Vec<[f64; 2]>| {
+        let mut along: BTreeMap<u32, (Vec<f64>, usize)> = BTreeMap::new();
+        for &[a, b, c] in self.completion.faces.iter().filter(|_| !made.is_empty()) {
+            for [a, b, c] in [[a, b, c], [b, c, a], [c, a, b]] {
+                // An edge of the rim, and a new vertex across.
+                if a < input && b < input && c >= input {
+                    let hole = self.completion.vertex_hole[(c - input) as usize];
+                    let (sums, count) = along.entry(hole).or_default();
+                    squares(a, b, sums);
+                    *count += 1;
+                }
+            }
+        }
+        let gains = |(hole, (sums, count)): (u32, (Vec<f64>, usize))| {
             let mut gains = vec![1.0; channels];
+            let Some((rim, rim_count)) = along.get(&hole) else { return (hole, gains) };
             for group in &self.groups {
-                let sum = |k: usize| sums[group.clone()].iter().map(|s| s[k]).sum::<f64>();
-                let gain = (sum(0) / f64::max(sum(1), f64::MIN_POSITIVE)).sqrt();
+                let mean =
+                    |sums: &[f64], n: usize| sums[group.clone()].iter().sum::<f64>() / n as f64;
+                let left = mean(&sums, count).max(f64::MIN_POSITIVE);
+                let gain = (mean(rim, *rim_count) / left).sqrt();
                 gains[group.clone()].fill(gain.clamp(1.0, MOST_GAIN));
             }
-            gains
+            (hole, gains)
         };
-        sums.into_iter().map(|(hole, sums)| (hole, gains(sums))).collect()
+        made.into_iter().map(gains).collect()
     }
 
     /// α ε of each new vertex.
