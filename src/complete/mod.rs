@@ -27,7 +27,7 @@ use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
-use crate::options::{Grouping, Method, Options};
+use crate::options::{Grouping, Method, Options, Selection};
 #[cfg(feature = "capi")]
 pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
@@ -41,7 +41,7 @@ use initial::InitialFaces;
 use library::Library;
 use pulled::share_points;
 use smooth::{Fill, Surroundings};
-use std::collections::HashSet;
+use std::collections::{HashSet, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -63,6 +63,9 @@ fn filling(method: Method) -> workers::Span {
         Method::Harary | Method::Fragment => (0.02, BESIDE.0),
     }
 }
+
+/// Results that a completer keeps.
+const LAST: usize = 16;
 
 /// Completes a mesh in one call, in silence. See [`Completer`] for the parts.
 pub fn complete_mesh<'a>(
@@ -93,8 +96,9 @@ pub struct Completer<'a> {
     of_points: bool,
     /// Made when a coherent completion first asks for it.
     library: Mutex<Option<(Key, Arc<Library>)>>,
-    /// The last result and what was asked for: a host that redoes need not wait.
-    last: Mutex<Option<(Options, Completion)>>,
+    /// The last results and what was asked for: a host that redoes, or goes back, need not wait. They are of new
+    /// vertices and faces alone.
+    last: Mutex<VecDeque<(Options, Completion)>>,
     /// Wall and CPU time of finding the holes.
     spent: (Duration, Duration),
 }
@@ -153,8 +157,11 @@ impl<'a> Completer<'a> {
     /// [`Completer::new`]. The seconds returned include those of [`Completer::new`].
     pub fn complete(&self, options: &Options, monitor: &Monitor) -> Result<Completion> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
-        // The thread count cannot change the result.
-        let asked = Options { threads: 0, ..options.clone() };
+        // The thread count cannot change the result, nor can it matter how the holes were chosen.
+        let mut asked = Options { threads: 0, ..options.clone() };
+        if let Ok(wanted) = select_holes(self.mesh, &self.holes, &options.selection) {
+            asked.selection = Selection::Ids((0..wanted.len()).filter(|&h| wanted[h]).collect());
+        }
         if let Some(mut again) = self.last_if(&asked) {
             again.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
             again.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();
@@ -162,8 +169,12 @@ impl<'a> Completer<'a> {
             return Ok(again);
         }
         let completion = self.complete_anew(options, monitor)?;
-        let last = Some((asked, completion.clone()));
-        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = last;
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.len() == LAST {
+            last.pop_front();
+        }
+        last.push_back((asked, completion.clone()));
+        drop(last);
         Ok(completion)
     }
 
@@ -235,10 +246,10 @@ impl<'a> Completer<'a> {
         Ok(completion)
     }
 
-    /// The last result, if the same was asked for.
+    /// One of the last results, if the same was asked for.
     fn last_if(&self, asked: &Options) -> Option<Completion> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        last.as_ref().filter(|l| l.0 == *asked).map(|l| l.1.clone())
+        last.iter().find(|l| l.0 == *asked).map(|l| l.1.clone())
     }
 
     /// The selected holes that can be filled; an error for others unless they are to be skipped.
