@@ -132,6 +132,9 @@ fn edges(completion: &Completion) -> Vec<Edge> {
     edges.into_iter().map(edge).collect()
 }
 
+/// A copy's rows at the ends of an edge, and its source.
+type Said = (usize, usize, u32);
+
 /// What the copies say.
 struct Guide<'a> {
     completion: &'a Completion,
@@ -235,8 +238,8 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// What the sources of its ends say of an edge: rows at both, and the source.
-    fn said(&self, i: u32, j: u32) -> (u32, [Option<(usize, usize, u32)>; 2]) {
+    /// The hole of an edge, and what the sources of its ends say of it.
+    fn said(&self, i: u32, j: u32) -> (u32, [Option<Said>; 2]) {
         let input = self.completion.input_vertex_count as u32;
         let hole = self.completion.vertex_hole[(i - input) as usize];
         let from = self.completion.colours_from();
@@ -303,7 +306,7 @@ impl<'a> Guide<'a> {
         let mut made: BTreeMap<u32, (Vec<f64>, usize)> = BTreeMap::new();
         for &Edge { i, j, .. } in edges {
             let (hole, said) = self.said(i, j);
-            let judged = |s: (usize, usize, u32)| self.trust.contains_key(&[hole, s.2]);
+            let judged = |s: Said| self.trust.contains_key(&[hole, s.2]);
             if said.iter().flatten().next().is_some() && !said.into_iter().flatten().any(judged) {
                 let (sums, count) = made.entry(hole).or_default();
                 squares(i, j, sums);
