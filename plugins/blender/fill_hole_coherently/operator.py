@@ -125,6 +125,7 @@ class MESH_OT_fill_hole_coherently(guidance.Guided, bpy.types.Operator):
             values=carried.asked.arguments,
             guidance=self.guidance(ob, others),
             points=self.points(ob),
+            rims=self.rims(ob, arrays),
         )
         return (arrays.vertices, arrays.triangles, arrays.selected, options), carried
 

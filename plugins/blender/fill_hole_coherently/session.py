@@ -37,9 +37,11 @@ class Options:
     sources: dict = field(default_factory=dict)
     """The library's source_faces, or exemplar_vertices and exemplar_faces: see guidance.py."""
     guidance: dict = field(default_factory=dict)
-    """Its placement and refine, or candidate and scale_range."""
+    """Its placement and refine, or candidate and scale_range; and part."""
     points: dict = field(default_factory=dict)
     """Its constraint_points and softness."""
+    rims: dict = field(default_factory=dict)
+    """Its loose_vertices, initial_vertices and initial_faces."""
     values: dict = field(default_factory=dict)
     """The library's vertex_values and what belongs to them: see values.py."""
 
@@ -51,7 +53,7 @@ class Options:
         """The library's own names for what the result depends on, beside the choice of holes."""
         arguments = {"method": self.method, "skip_unsafe": self.skip_unsafe}
         arguments |= {"unmirrored": not self.mirror, **self.sources, **self.values}
-        arguments |= self.points
+        arguments |= {**self.points, **self.rims}
         if self.method == "coherent":
             arguments |= self.guidance
         if self.density != 1.0:
