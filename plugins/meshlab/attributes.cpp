@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "attributes.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mc = mesh_completion;
@@ -73,9 +74,12 @@ void color_provenance(CMeshO& mesh, const mc::Result<Scalarm>& result, const Pla
 
 }  // namespace
 
-Carried::Carried(const MeshModel& model, const MeshModel* source, Coloring coloring) {
+Carried::Carried(const MeshModel& model, const std::vector<const MeshModel*>& sources,
+                 Coloring coloring) {
   const auto has = [&](int mask) {
-    return model.hasDataMask(mask) && (!source || source->hasDataMask(mask));
+    return model.hasDataMask(mask) &&
+           std::all_of(sources.begin(), sources.end(),
+                       [&](const MeshModel* source) { return source->hasDataMask(mask); });
   };
   color = coloring != Coloring::rim && has(MeshModel::MM_VERTCOLOR);
   quality = has(MeshModel::MM_VERTQUALITY);

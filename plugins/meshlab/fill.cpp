@@ -99,9 +99,11 @@ Outcome fill_holes(MeshDocument& document, const RichParameterList& parameters,
   Allocator<CMeshO>::CompactEveryVector(mesh);
   mc::Options options = options_of(parameters, progress);
   const auto coloring = Coloring(parameters.getEnum("Color"));
-  const Carried carried(model, other_layer(document, parameters, "Source"), coloring);
+  const auto sources = source_layers(document, parameters);
+  const Carried carried(model, sources, coloring);
   Outcome outcome;
-  outcome.error = set_guidance(document, parameters, carried, options);
+  outcome.error = set_guidance(document, parameters, sources, carried, options);
+  if (outcome.error.empty()) outcome.error = set_rims(document, parameters, options);
   if (!outcome.error.empty()) return outcome;
   carried.give(mesh, options);
   if (mesh.fn == 0) return fill_points(model, parameters, carried, options);
