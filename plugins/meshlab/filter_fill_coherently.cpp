@@ -118,7 +118,7 @@ void FilterFillCoherently::add_guidance(ML_DOCUMENT& document, RichParameterList
                                "For a part that is missing whole, as a hand or a foot: the fill is what lies "
                                "over the hole of what is copied, its vertices and its faces."));
   parameters.addParam(RichBool("Loose", false, "Loose rim at selected vertices",
-                               "At them the fill need only be joined to the rim, not continue the surface "
+                               "Where they lie on a rim the fill need only be joined, not continue the surface "
                                "there: for an edge that was sharp, or a border to something else."));
   parameters.addParam(RichMesh("Initial", current, &document, "Start from layer",
                                "The current layer: start from a smooth fill. Another layer: a duplicate "

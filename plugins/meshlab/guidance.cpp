@@ -57,7 +57,7 @@ void append_source(const MeshModel& current, const MeshModel& source, const Carr
   append(Frame(current, source), source.cm, options.exemplar);
   options.exemplar_parts.push_back(std::uint32_t(options.exemplar.vertices.size() - before));
   for (const CVertexO& vertex : source.cm.vert)
-    if (!vertex.IsD()) carried.append(vertex, options.exemplar_values);
+    if (!vertex.IsD() && carried.of_sources) carried.append(vertex, options.exemplar_values);
 }
 
 // What a layer has beyond the current one, each in its own coordinates.

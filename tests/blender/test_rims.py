@@ -33,13 +33,19 @@ def fold():
     return scenes.add(vertices, polygons), [at[20, y] for y in range(10, 21)]
 
 
+def inner(ob):
+    """A vertex on no rim."""
+    return int(np.flatnonzero((scenes.positions(ob.data) == (3, 3, 0)).all(axis=1))[0])
+
+
 def test_loose_rim():
     """Beyond the fold is another plane, which pulls the fill up; not where the fold is loose."""
     highest = {}
     for loose in (False, True):
         for mode in ("OBJECT", "EDIT"):
             ob, on_fold = fold()
-            group(ob, "fold", on_fold)
+            # What else is in the group is not heeded.
+            group(ob, "fold", [*on_fold, inner(ob)])
             before = scenes.snapshot(ob)
             name = f"loose rim {loose} {mode}"
             asked = {"loose_vertices": on_fold} if loose else {}
@@ -224,14 +230,35 @@ def test_object_and_mesh():
     check("beside it nearly all", of_mesh[True] > 0.9 and off[True] < 1e-4 < off[False], (of_mesh, off))
 
 
+def test_colours_of_the_mesh_beside_an_object():
+    """The object has no attribute: colours come from the mesh where the shape does, not from the rim."""
+    ob = scenes.column()
+    before = scenes.snapshot(ob)
+    other = whole("other", turned(1.0, False, (9, 2, 1)))
+    faces, _ = scenes.triangles(other.data)
+    matrix = np.array(ob.matrix_world.inverted_safe() @ other.matrix_world)
+    places = (scenes.positions(other.data) @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+    result, _ = reference(ob, exemplar_vertices=places, exemplar_faces=faces)
+    check("beside an object", fill(source="OBJECT", source_object="other", source_and_mesh=True) == {"FINISHED"})
+    check_added("beside an object", ob, before, result)
+    _, names = scenes.values(ob.data)
+    first = [name for name, _ in names].index("point")
+    first = sum(width for _, width in names[:first])
+    colours = scenes.get(ob.data.attributes["point"].data, "color", 4, np.float32)[len(before["positions"]) :]
+    off = np.abs(colours - result.new_vertex_values[:, first : first + 4]).max()
+    check("beside an object: colours as the library has them", off < 1e-6, off)
+
+
 def test_rims_refused():
     ob = scenes.column()
     ob.vertex_groups.new(name="nobody")
     group(ob, "all of them", range(len(ob.data.vertices)))
+    group(ob, "inside", set(range(len(ob.data.vertices))) - set(sum(rims(ob), [])))
     before = scenes.snapshot(ob)
     for options in (
         {"loose_group": "missing"},
         {"loose_group": "nobody"},
+        {"loose_group": "inside"},
         {"initial_object": "missing"},
         {"initial_object": "thing"},
         {"source": "GROUP", "source_group": "all of them", "source_inverted": True},

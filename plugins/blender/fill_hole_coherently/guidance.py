@@ -106,7 +106,7 @@ class Guided:
     )
     loose_group: StringProperty(
         name="Loose Rim",
-        description="Vertex group: at its vertices the fill need only be joined to the rim, not continue the "
+        description="Vertex group: at those of its vertices that lie on a rim the fill need only be joined to the rim, not continue the "
         "surface there. For an edge that was sharp, or a border to something else",
         options={"SKIP_SAVE"},
     )
@@ -159,6 +159,12 @@ class Guided:
         if self.points_object:
             layout.prop(self, "softness")
 
+    @property
+    def of_others_alone(self):
+        """Whether other objects are copied from and the mesh is not. What was put over the hole by hand is the
+        only copy."""
+        return not self.source_and_mesh or self.place != "SEARCH"
+
     def others(self, ob):
         """The objects that are copied from, if they are not the mesh's own."""
         if self.source == "OBJECT":
@@ -179,9 +185,7 @@ class Guided:
     def sources(self, ob, arrays, others):
         """The library's arguments for what may be copied from."""
         if others:
-            # What was put over the hole by hand is the only copy.
-            alone = not self.source_and_mesh or self.place != "SEARCH"
-            return mesh_data.object_sources(ob, arrays, others, alone)
+            return mesh_data.object_sources(ob, arrays, others, self.of_others_alone)
         if self.source not in OF_FACES:
             return {}
         if arrays.is_cloud:

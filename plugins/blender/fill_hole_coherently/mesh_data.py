@@ -72,8 +72,8 @@ def settled(ob):
 class Carried:
     """What the mesh carries beside its shape, read before it is filled."""
 
-    def __init__(self, ob, arrays, colours_steer, others=()):
-        """`others`: the objects that are copied from, if they are others."""
+    def __init__(self, ob, arrays, colours_steer, others=(), alone=True):
+        """`others`: the objects that are copied from, if they are others, and whether from them alone."""
         self._arrays, self._uvs = arrays, {}
         self.normals = None
         with settled(ob) as mesh:
@@ -86,7 +86,7 @@ class Carried:
         for other in others:
             with settled(other) as mesh:
                 exemplars.append(values.read(mesh))
-        self.asked = values.ask(attributes, colours_steer, exemplars)
+        self.asked = values.ask(attributes, colours_steer, exemplars, alone)
 
     def _read_texture(self, mesh):
         mesh.calc_loop_triangles()

@@ -110,12 +110,15 @@ def fill(vertices, triangles, selected, options, progress=None):
     if not len(triangles) and not options.is_cloud:
         raise NothingToFill("The mesh has edges and no faces: fill needs faces, or vertices alone")
     kept = _completer(vertices, triangles, options, progress)
+    arguments = options.arguments()
+    if "loose_vertices" in arguments:
+        arguments["loose_vertices"] = on_rims(kept.completer.holes, arguments["loose_vertices"])
     try:
         result = kept.fill(
             # Finding the holes is quick: a twentieth of the bar.
             lambda fraction, stage: progress(0.05 + 0.95 * fraction, stage),
             **selection(kept.completer, selected, options),
-            **options.arguments(),
+            **arguments,
         )
         if all(hole.is_border for hole in result.holes):
             raise NothingToFill("The points have no holes" + " but their border" * bool(len(result.holes)))
@@ -155,6 +158,15 @@ def choose(holes, selected, options):
         if not chosen:
             raise NothingToFill(f"Every hole has more than {options.max_edges} edges")
     return [hole.id for hole in chosen]
+
+
+def on_rims(holes, vertices):
+    """Those of some vertices that lie on a rim."""
+    loops = [loop for hole in holes for loop in hole.loops]
+    found = np.intersect1d(vertices, np.concatenate([np.empty(0, np.int64), *loops]))
+    if not len(found):
+        raise NothingToFill("No vertex of the group of the loose rim lies on a rim")
+    return found
 
 
 def rims(holes, ids):
