@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::intersect::Aabb;
 use crate::mesh::neighbourhood::NONE;
 use glam::DVec3;
+use pulp::{Simd, WithSimd};
 
 /// Points that are worked on side by side.
 pub const LANES: usize = 8;
@@ -145,24 +146,39 @@ impl Blocks {
 
     /// The sum of the normals of the points in a ball that are on the side of `normal`.
     pub fn sum_normals(&self, near: &Near, normal: DVec3) -> DVec3 {
-        let side = normal.as_vec3().to_array();
-        let square = (near.radius * near.radius) as f32;
-        let mut sums = [[0f32; LANES]; 3];
-        pulp::Arch::new().dispatch(|| {
-            self.visit(near, |group, origin| {
-                for l in 0..LANES {
-                    let [x, y, z] = [0, 1, 2].map(|k| group.at[k][l] + origin[k]);
-                    let n = [0, 1, 2].map(|k| group.normal[k][l]);
-                    let counts = (n[0] * side[0] + n[1] * side[1] + n[2] * side[2] > 0.0)
-                        & (x * x + y * y + z * z < square);
-                    let weight = if counts { 1.0 } else { 0.0 };
-                    for k in 0..3 {
-                        sums[k][l] += weight * n[k];
-                    }
-                }
-            });
-        });
+        let sums = pulp::Arch::new().dispatch(Normals { blocks: self, near, side: normal });
         DVec3::from(sums.map(|lanes| lanes.iter().map(|&x| f64::from(x)).sum()))
+    }
+}
+
+/// The work of [`Blocks::sum_normals`], lane by lane.
+struct Normals<'a> {
+    blocks: &'a Blocks,
+    near: &'a Near,
+    side: DVec3,
+}
+
+impl WithSimd for Normals<'_> {
+    type Output = [Lanes; 3];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [Lanes; 3] {
+        let side = self.side.as_vec3().to_array();
+        let square = (self.near.radius * self.near.radius) as f32;
+        let mut sums = [[0f32; LANES]; 3];
+        self.blocks.visit(self.near, |group, origin| {
+            for l in 0..LANES {
+                let [x, y, z] = [0, 1, 2].map(|k| group.at[k][l] + origin[k]);
+                let n = [0, 1, 2].map(|k| group.normal[k][l]);
+                let counts = (n[0] * side[0] + n[1] * side[1] + n[2] * side[2] > 0.0)
+                    & (x * x + y * y + z * z < square);
+                let weight = f32::from(u8::from(counts));
+                for k in 0..3 {
+                    sums[k][l] += weight * n[k];
+                }
+            }
+        });
+        sums
     }
 }
 

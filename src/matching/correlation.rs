@@ -3,6 +3,7 @@
 
 use super::blocks::{Lanes, LANES};
 use super::height_map::{HeightMap, Row, ANGLES, RADII, WHOLE};
+use pulp::{Simd, WithSimd};
 
 /// A known bin of a target, for one side.
 pub(super) struct Bin {
@@ -59,14 +60,7 @@ impl Default for SoFar {
 
 impl SoFar {
     pub(super) fn add_heights(&mut self, bins: &[Bin], height: &Twice) {
-        let with_height = &mut self.with_height;
-        pulp::Arch::new().dispatch(|| {
-            for turn in (0..TURNS).step_by(LANES) {
-                let mut sums = [0, 1, 2, 3, 4].map(|m| lanes(&with_height[m], turn));
-                sum_heights(&mut sums, bins, height, turn);
-                (0..5).for_each(|m| with_height[m][turn..turn + LANES].copy_from_slice(&sums[m]));
-            }
-        });
+        pulp::Arch::new().dispatch(Heights { sums: &mut self.with_height, bins, height });
     }
 
     /// Adds a row's moments at each turn over the bins that the source does not know.
@@ -76,13 +70,7 @@ impl SoFar {
         }
         let missing = self.missing.get_or_insert_with(|| Box::new([[0.0; TURNS]; MOMENTS]));
         let unknown = doubled(&std::array::from_fn(|a| (!known >> a & 1) as f32));
-        pulp::Arch::new().dispatch(|| {
-            for turn in (0..TURNS).step_by(LANES) {
-                let mut sums: [Lanes; MOMENTS] = std::array::from_fn(|m| lanes(&missing[m], turn));
-                sum_moments(&mut sums, row, &unknown, turn);
-                (0..MOMENTS).for_each(|m| missing[m][turn..][..LANES].copy_from_slice(&sums[m]));
-            }
-        });
+        pulp::Arch::new().dispatch(Missing { sums: missing, bins: row, unknown: &unknown });
     }
 
     pub(super) fn add_tints(&mut self, bins: &[Bin], tints: &[f32], [tint, known]: &[Twice; 2]) {
@@ -178,35 +166,58 @@ fn doubled(row: &Row) -> [f32; ANGLES + TURNS] {
     twice
 }
 
-/// Adds to the sums of some turns, see [`SoFar::with_height`].
-#[inline(always)]
-pub(super) fn sum_heights(sums: &mut [Lanes; 5], bins: &[Bin], height: &Twice, turn: usize) {
-    for b in bins {
-        let h = lanes(&height[b.r], b.a + turn);
-        for l in 0..LANES {
-            sums[0][l] += h[l];
-            sums[1][l] += b.moments[X] * h[l];
-            sums[2][l] += b.moments[Y] * h[l];
-            sums[3][l] += b.moments[H] * h[l];
-            sums[4][l] += h[l] * h[l];
+/// The work of [`SoFar::add_heights`]: only what is always inlined gets the machine's own vector instructions.
+struct Heights<'a> {
+    sums: &'a mut [[f32; TURNS]; 5],
+    bins: &'a [Bin],
+    height: &'a Twice,
+}
+
+impl WithSimd for Heights<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for turn in (0..TURNS).step_by(LANES) {
+            let mut sums = [0, 1, 2, 3, 4].map(|m| lanes(&self.sums[m], turn));
+            for b in self.bins {
+                let h = lanes(&self.height[b.r], b.a + turn);
+                for l in 0..LANES {
+                    sums[0][l] += h[l];
+                    sums[1][l] += b.moments[X] * h[l];
+                    sums[2][l] += b.moments[Y] * h[l];
+                    sums[3][l] += b.moments[H] * h[l];
+                    sums[4][l] += h[l] * h[l];
+                }
+            }
+            (0..5).for_each(|m| self.sums[m][turn..turn + LANES].copy_from_slice(&sums[m]));
         }
     }
 }
 
-/// Adds the moments of bins at some turns, by how little is known where they come to lie.
-#[inline(always)]
-fn sum_moments(
-    sums: &mut [Lanes; MOMENTS],
-    bins: &[Bin],
-    unknown: &[f32; ANGLES + TURNS],
-    turn: usize,
-) {
-    for b in bins {
-        let u = lanes(unknown, b.a + turn);
-        for m in 0..MOMENTS {
-            for l in 0..LANES {
-                sums[m][l] += b.moments[m] * u[l];
+/// The work of [`SoFar::add_missing`]: adds the moments of bins by how little is known where they come to lie.
+struct Missing<'a> {
+    sums: &'a mut [[f32; TURNS]; MOMENTS],
+    bins: &'a [Bin],
+    unknown: &'a [f32; ANGLES + TURNS],
+}
+
+impl WithSimd for Missing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for turn in (0..TURNS).step_by(LANES) {
+            let mut sums: [Lanes; MOMENTS] = std::array::from_fn(|m| lanes(&self.sums[m], turn));
+            for b in self.bins {
+                let u = lanes(self.unknown, b.a + turn);
+                for m in 0..MOMENTS {
+                    for l in 0..LANES {
+                        sums[m][l] += b.moments[m] * u[l];
+                    }
+                }
             }
+            (0..MOMENTS).for_each(|m| self.sums[m][turn..][..LANES].copy_from_slice(&sums[m]));
         }
     }
 }

@@ -7,6 +7,7 @@ use super::blocks::{Lanes, Near, LANES};
 use super::cloud::Cloud;
 use crate::mesh::neighbourhood::NONE;
 use glam::{DMat3, DVec3};
+use pulp::{Simd, WithSimd};
 
 /// Bins along the radius.
 pub const RADII: usize = 14;
@@ -77,14 +78,22 @@ impl HeightMap {
 pub fn bin_of(local: DVec3, radius: f64) -> Option<(usize, usize)> {
     let r = local.truncate().length() / radius * RADII as f64;
     let turn = turn_of(local.x as f32, local.y as f32);
-    (r < RADII as f64).then_some((r as usize, angle_bin(turn)))
+    (r < RADII as f64).then_some((r as usize, angle_bin(turn) as usize))
 }
 
 /// The angle bin of a turn.
 #[inline(always)]
-fn angle_bin(turn: f32) -> usize {
+fn angle_bin(turn: f32) -> f32 {
     // A turn of just below 0 may be rounded to 1.
-    ((turn * ANGLES as f32) as usize).min(ANGLES - 1)
+    (turn * ANGLES as f32).floor().min(ANGLES as f32 - 1.0)
+}
+
+/// A whole number from 0 to 2²³ that is stored as a float, read from its bits: a cast, which looks at what is out
+/// of range, is not done in vector lanes.
+#[inline(always)]
+fn whole_number(x: f32) -> u32 {
+    const TWO_23: f32 = 8_388_608.0;
+    (x + TWO_23).to_bits() - TWO_23.to_bits()
 }
 
 /// The angle of (x, y) in turns, 0 to 1, within 2e-6: without branches, so that it runs in vector
@@ -109,97 +118,164 @@ fn turn_of(x: f32, y: f32) -> f32 {
     }
 }
 
+/// Bins of a map; what is on none goes to one more of its lane, so that no branch depends on where points are
+/// and no sum waits for another.
+const BINS: usize = RADII * ANGLES;
+/// With those of the lanes.
+type Bins = [f32; BINS + LANES];
+
 /// Where points of a group are on a map.
 struct Places {
-    /// In bins.
-    radius: Lanes,
-    turn: Lanes,
+    /// Radius times [`ANGLES`] plus angle, or [`BINS`] plus the lane.
+    bin: [u32; LANES],
     height: Lanes,
-    /// Whether they are on it.
-    within: [bool; LANES],
+    /// 0 where a point is on none.
+    roughness: Lanes,
+}
+
+/// What is being added up.
+struct Sums {
+    height: Bins,
+    count: Bins,
+    tint: Option<Box<Bins>>,
+    roughness: [f64; LANES],
+    completions: Vec<u32>,
+}
+
+impl Sums {
+    /// Adds points of a group to those of their bins.
+    #[inline(always)]
+    fn add(&mut self, places: &Places, ids: &[u32; LANES], tints: Option<&Vec<f64>>) {
+        for l in 0..LANES {
+            let bin = places.bin[l] as usize;
+            self.height[bin] += places.height[l];
+            self.count[bin] += 1.0;
+            self.roughness[l] += f64::from(places.roughness[l]);
+            if let (Some(tint), Some(tints)) = (&mut self.tint, tints) {
+                tint[bin] += tints[ids[l] as usize] as f32;
+            }
+        }
+    }
+
+    /// Leaves out the points of one hole's completion, and notes those of others.
+    #[inline(never)]
+    fn tell_completions(
+        &mut self,
+        places: &mut Places,
+        ids: &[u32; LANES],
+        cloud: &Cloud,
+        without: u32,
+    ) {
+        for l in 0..LANES {
+            let hole = cloud.thinned.completion_of(ids[l] as usize);
+            if hole == NONE || places.bin[l] >= BINS as u32 {
+                continue;
+            }
+            if hole == without {
+                (places.bin[l], places.roughness[l]) = ((BINS + l) as u32, 0.0);
+            } else if !self.completions.contains(&hole) {
+                self.completions.push(hole);
+            }
+        }
+    }
+
+    /// The means, bridged where little is missing.
+    fn into_map(mut self, frame: Frame) -> HeightMap {
+        let points: f32 = self.count[..BINS].iter().sum();
+        let mut known = [0; RADII];
+        let bins = (0..BINS).filter(|&bin| self.count[bin] > 0.0);
+        for bin in bins {
+            self.height[bin] /= self.count[bin];
+            if let Some(tint) = &mut self.tint {
+                tint[bin] /= self.count[bin];
+            }
+            known[bin / ANGLES] |= 1 << (bin % ANGLES);
+        }
+        let rows = |all: &Bins| -> [Row; RADII] {
+            std::array::from_fn(|r| std::array::from_fn(|a| all[r * ANGLES + a]))
+        };
+        let (mut height, mut tint) =
+            (rows(&self.height), self.tint.as_deref().map(|t| Box::new(rows(t))));
+        for (r, known) in known.iter_mut().enumerate() {
+            if let Some(tint) = &mut tint {
+                bridge_gaps(&mut tint[r], &mut known.clone(), widest_gap(r));
+            }
+            bridge_gaps(&mut height[r], known, widest_gap(r));
+        }
+        let roughness = self.roughness.iter().sum::<f64>() / f64::max(f64::from(points), 1.0);
+        HeightMap { frame, roughness, height, known, completions: self.completions, tint }
+    }
+}
+
+/// The work of [`HeightMap::new`]. A struct, not a closure: only what is always inlined gets the machine's
+/// own vector instructions.
+struct Adding<'a> {
+    sums: &'a mut Sums,
+    cloud: &'a Cloud,
+    near: &'a Near,
+    frame: Frame,
+    radius: f64,
+    without: u32,
+}
+
+impl WithSimd for Adding<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sums, cloud, near, frame, radius, without } = self;
+        let axes = frame.axes.as_mat3().to_cols_array_2d();
+        let (reach, ball) = (radius as f32, (near.radius * near.radius) as f32);
+        let bins = (RADII as f64 / radius) as f32;
+        let tints = cloud.thinned.tints.as_ref();
+        cloud.blocks.visit(near, |group, origin| {
+            let mut places =
+                Places { bin: [0; LANES], height: [0.0; LANES], roughness: [0.0; LANES] };
+            let (mut radius, mut turn, mut within) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+            for l in 0..LANES {
+                let p = [0, 1, 2].map(|k| group.at[k][l] + origin[k]);
+                let along = |a: &[f32; 3]| a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
+                let [x, y, z] = [along(&axes[0]), along(&axes[1]), along(&axes[2])];
+                let n = [0, 1, 2].map(|k| axes[2][k] * group.normal[k][l]);
+                radius[l] = (x * x + y * y).sqrt() * bins;
+                turn[l] = turn_of(x, y);
+                places.height[l] = z;
+                let is_within = (n[0] + n[1] + n[2] >= SAME_SIDE)
+                    & (z.abs() < reach)
+                    & (radius[l] < RADII as f32)
+                    & (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] <= ball);
+                within[l] = f32::from(u8::from(is_within));
+            }
+            for l in 0..LANES {
+                // Without a choice between two, which would be a branch; NaN is on no bin.
+                let r = radius[l].min(RADII as f32 - 0.5).floor();
+                let beyond = (BINS + l) as f32;
+                let bin = within[l] * (r * ANGLES as f32 + angle_bin(turn[l]));
+                places.bin[l] = whole_number((bin + (1.0 - within[l]) * beyond).min(beyond));
+                places.roughness[l] = within[l] * group.roughness[l];
+            }
+            if group.is_completed {
+                sums.tell_completions(&mut places, &group.ids, cloud, without);
+            }
+            sums.add(&places, &group.ids, tints);
+        });
+    }
 }
 
 impl HeightMap {
     /// The map of the cloud's points in a ball around a frame's centre, out to `radius`; without those
     /// of a hole's completion ([`NONE`]: with all).
     pub fn new(cloud: &Cloud, near: &Near, frame: Frame, radius: f64, without: u32) -> Self {
-        let mut map = Self {
-            frame,
-            roughness: 0.0,
-            height: [[0.0; ANGLES]; RADII],
-            known: [0; RADII],
+        let tints = cloud.thinned.tints.as_ref();
+        let mut sums = Sums {
+            height: [0.0; BINS + LANES],
+            count: [0.0; BINS + LANES],
+            tint: tints.map(|_| Box::new([0.0; BINS + LANES])),
+            roughness: [0.0; LANES],
             completions: Vec::new(),
-            tint: cloud.thinned.tints.as_ref().map(|_| Box::new([[0.0; ANGLES]; RADII])),
         };
-        let mut counts = [[0.0; ANGLES]; RADII];
-        let mut points = 0.0;
-        let axes = frame.axes.as_mat3().to_cols_array_2d();
-        let (reach, ball) = (radius as f32, (near.radius * near.radius) as f32);
-        let bins = (RADII as f64 / radius) as f32;
-        pulp::Arch::new().dispatch(|| {
-            cloud.blocks.visit(near, |group, origin| {
-                let mut places = Places {
-                    radius: [0.0; LANES],
-                    turn: [0.0; LANES],
-                    height: [0.0; LANES],
-                    within: [false; LANES],
-                };
-                for l in 0..LANES {
-                    let p = [0, 1, 2].map(|k| group.at[k][l] + origin[k]);
-                    let along = |a: &[f32; 3]| a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
-                    let [x, y, z] = [along(&axes[0]), along(&axes[1]), along(&axes[2])];
-                    let n = [0, 1, 2].map(|k| axes[2][k] * group.normal[k][l]);
-                    let r = (x * x + y * y).sqrt() * bins;
-                    places.radius[l] = r;
-                    places.turn[l] = turn_of(x, y);
-                    places.height[l] = z;
-                    places.within[l] = (n[0] + n[1] + n[2] >= SAME_SIDE)
-                        & (z.abs() < reach)
-                        & (r < RADII as f32)
-                        & (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] <= ball);
-                }
-                for l in 0..LANES {
-                    if !places.within[l] {
-                        continue;
-                    }
-                    let id = group.ids[l] as usize;
-                    if group.is_completed {
-                        let hole = cloud.thinned.completion_of(id);
-                        if hole != NONE && hole == without {
-                            continue;
-                        }
-                        if hole != NONE && !map.completions.contains(&hole) {
-                            map.completions.push(hole);
-                        }
-                    }
-                    let (r, a) = (places.radius[l] as usize, angle_bin(places.turn[l]));
-                    map.height[r][a] += places.height[l];
-                    counts[r][a] += 1.0;
-                    if let (Some(tint), Some(tints)) = (&mut map.tint, &cloud.thinned.tints) {
-                        tint[r][a] += tints[id] as f32;
-                    }
-                    map.roughness += f64::from(group.roughness[l]);
-                    points += 1.0;
-                }
-            });
-        });
-        map.roughness /= f64::max(points, 1.0);
-        for (r, counts) in counts.iter().enumerate() {
-            for (a, &count) in counts.iter().enumerate() {
-                if count > 0.0 {
-                    map.height[r][a] /= count;
-                    if let Some(tint) = &mut map.tint {
-                        tint[r][a] /= count;
-                    }
-                    map.known[r] |= 1 << a;
-                }
-            }
-            if let Some(tint) = &mut map.tint {
-                bridge_gaps(&mut tint[r], &mut map.known[r].clone(), widest_gap(r));
-            }
-            bridge_gaps(&mut map.height[r], &mut map.known[r], widest_gap(r));
-        }
-        map
+        pulp::Arch::new().dispatch(Adding { sums: &mut sums, cloud, near, frame, radius, without });
+        sums.into_map(frame)
     }
 
     /// Whether something is known there.
@@ -255,7 +331,7 @@ pub(super) mod tests {
             assert!((off - off.round()).abs() < 2e-6, "{k}: {off}");
         }
         assert_eq!([turn_of(0.0, 0.0), turn_of(1.0, 0.0), turn_of(-1.0, 0.0)], [0.0, 0.0, 0.5]);
-        assert!(angle_bin(turn_of(1.0, -1e-30)) == ANGLES - 1);
+        assert!(angle_bin(turn_of(1.0, -1e-30)) as usize == ANGLES - 1);
     }
 
     /// The map around a point.

@@ -36,7 +36,7 @@ pub struct Maps {
     /// What may carry the object onto itself.
     pub symmetries: Arc<Vec<Rigid>>,
     centres: Arc<Thinned>,
-    maps: Vec<OnceLock<Option<HeightMap>>>,
+    maps: Vec<Kept>,
 }
 
 /// The ratio of one scale to the next: holes whose radii differ by less share their maps.
@@ -103,7 +103,7 @@ impl Maps {
         centres: Arc<Thinned>,
         mirrored: bool,
     ) -> Self {
-        let maps = centres.points.iter().map(|_| OnceLock::new()).collect();
+        let maps = centres.points.iter().map(|_| Kept::new()).collect();
         let (paint, symmetries) = (worth(source), Arc::default());
         Self { radius, cloud, known, mirrored, paint, symmetries, centres, maps }
     }
@@ -125,11 +125,11 @@ impl Maps {
             let frame = (mean != DVec3::ZERO)
                 .then(|| Frame::new(centre, mean.normalize(), &self.cloud.axes))?;
             let near = self.cloud.blocks.near(centre, reach);
-            Some(HeightMap::new(&self.cloud, &near, frame, reach, without))
+            Some(Box::new(HeightMap::new(&self.cloud, &near, frame, reach, without)))
         };
-        let map = self.maps[c].get_or_init(|| make(NONE)).as_ref()?;
+        let map = self.maps[c].get_or_init(|| make(NONE)).as_deref()?;
         match map.completions.contains(&own) {
-            true => place.get_or_init(|| make(own).map(Box::new)).as_deref(),
+            true => place.get_or_init(|| make(own)).as_deref(),
             false => Some(map),
         }
     }
@@ -158,5 +158,5 @@ impl Maps {
     }
 }
 
-/// A map of one hole's own, once it is made.
+/// A map, once it is made: most of the places for them stay empty.
 pub type Kept = OnceLock<Option<Box<HeightMap>>>;

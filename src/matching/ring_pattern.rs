@@ -14,6 +14,7 @@ use super::correlation::{Bin, Doubled, SoFar, Sums};
 use super::height_map::{bin_of, Frame, HeightMap, ANGLES, RADII, WHOLE};
 use super::rigid::Rigid;
 use glam::{DMat3, DVec3};
+use pulp::{Simd, WithSimd};
 
 /// Exponent of [`blandness`].
 const BLAND: f64 = 1.0;
@@ -56,6 +57,33 @@ struct Width {
     bins: usize,
     /// Sums over the bins as they are, with d the target's heights.
     sums: Sums,
+}
+
+/// The work of [`RingPattern::is_covered`], with the machine's own instruction to count bits.
+struct Covered<'a> {
+    widths: &'a [Width],
+    masks: &'a [u64; RADII],
+    known: &'a [u64; RADII],
+}
+
+impl WithSimd for Covered<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        let Self { widths, masks, known } = self;
+        (0..ANGLES).any(|turn| {
+            let (mut covered, mut row) = (0, 0);
+            widths.iter().any(|width| {
+                for r in row..width.rows {
+                    let turned = (masks[r] << turn | masks[r] >> (ANGLES - turn)) & WHOLE;
+                    covered += (turned & known[r]).count_ones();
+                }
+                row = width.rows;
+                f64::from(covered) / width.bins as f64 >= COVER
+            })
+        })
+    }
 }
 
 /// A place on the source whose surroundings look like the ring.
@@ -174,19 +202,7 @@ impl RingPattern {
     /// Whether a source that knows such bins covers enough of some width at some turn: many do not, and all
     /// sums over them are in vain.
     fn is_covered(&self, masks: &[u64; RADII], known: &[u64; RADII]) -> bool {
-        pulp::Arch::new().dispatch(|| {
-            (0..ANGLES).any(|turn| {
-                let (mut covered, mut row) = (0, 0);
-                self.widths.iter().any(|width| {
-                    for r in row..width.rows {
-                        let turned = (masks[r] << turn | masks[r] >> (ANGLES - turn)) & WHOLE;
-                        covered += (turned & known[r]).count_ones();
-                    }
-                    row = width.rows;
-                    f64::from(covered) / width.bins as f64 >= COVER
-                })
-            })
-        })
+        pulp::Arch::new().dispatch(Covered { widths: &self.widths, masks, known })
     }
 
     /// Tells `keep` the best turns of a width, with the plane and the cost.
