@@ -16,19 +16,14 @@ FilterFillCoherently::FilterFillCoherently() {
 }
 
 QString FilterFillCoherently::filterInfo(ML_ID) const {
-  // The dialog shows about 15 lines.
+  // Short: the dialog below it is long.
   return "Fill holes so that the fill continues what the rest of the object shows; where nothing on "
          "it serves, the fill is a smooth surface. The mesh itself stays as it is: only new vertices "
          "and faces are added; to a layer without faces, new points. Cannot be cancelled: MeshLab has "
          "no button for that.<br>"
-         "See:<br>"
-         "<i>G. Harary, A. Tal, E. Grinspun</i><br>"
-         "<b>\"Context-based Coherent Surface Completion\"</b><br>"
-         "ACM Transactions on Graphics 33(1), 2014<br>"
-         "and for the smooth surface:<br>"
-         "<i>P. Liepa</i><br>"
-         "<b>\"Filling Holes in Meshes\"</b><br>"
-         "Symposium on Geometry Processing, 2003";
+         "<i>G. Harary, A. Tal, E. Grinspun</i>: <b>Context-based Coherent Surface Completion</b>, ACM "
+         "Transactions on Graphics 33(1), 2014; the smooth surface: <i>P. Liepa</i>: <b>Filling Holes in "
+         "Meshes</b>, Symposium on Geometry Processing, 2003";
 }
 
 int FilterFillCoherently::postCondition(ML_ACTION) const {
