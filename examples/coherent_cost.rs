@@ -8,7 +8,9 @@
 mod peak;
 
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
-use complete_mesh::{Completer, Completion, Fairing, Method, Monitor, Options, Selection, Sizing};
+use complete_mesh::{
+    Completer, Completion, Fairing, Guidance, Method, Monitor, Options, Selection, Sizing,
+};
 use cpu_time::ProcessTime;
 use peak::{LIVE, PEAK};
 use std::error::Error;
@@ -43,8 +45,8 @@ const MOMENTS: u32 = 8;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let given: Vec<String> = std::env::args().skip(1).collect();
-    println!("| sample | vertices | new | continued | CPU s | again | one hole | fairing | density | after smooth | peak MiB | progress | gap ms | cancel ms |");
-    println!("|{}", "---|".repeat(14));
+    println!("| sample | vertices | new | continued | CPU s | again | one hole | candidate | fairing | density | after smooth | peak MiB | progress | gap ms | cancel ms |");
+    println!("|{}", "---|".repeat(15));
     if let [sample, kind, resolution, size] = &given[..] {
         let sample = Sample::ALL.into_iter().find(|s| s.name() == sample);
         let kind =
@@ -74,9 +76,12 @@ fn row((sample, kind, resolution, size): Case) -> Result<(), Box<dyn Error>> {
     let (truth, gap) = log.read();
     let again = seconds(&completer, &first)?;
     let one = Options { selection: Selection::Ids(vec![0]), ..first.clone() };
+    let guidance = Guidance { candidate: 2, ..Guidance::default() };
+    let candidate = Options { guidance, ..first.clone() };
     let fairing = Options { fairing: Fairing::C1, ..first.clone() };
     let density = Options { sizing: Sizing::Scaled(0.8), ..first.clone() };
     let one = seconds(&completer, &one)?;
+    let candidate = seconds(&completer, &candidate)?;
     let fairing = seconds(&completer, &fairing)?;
     let density = seconds(&completer, &density)?;
     drop(completer);
@@ -86,7 +91,7 @@ fn row((sample, kind, resolution, size): Case) -> Result<(), Box<dyn Error>> {
     drop(completer);
     let continued = made.holes.iter().filter(|h| !h.sources.is_empty()).count();
     println!(
-        "| {} {} {resolution} {size} | {} | {} | {continued} of {} | {:.2} | {again:.2} | {one:.2} | {fairing:.2} | {density:.2} | {later:.2} | {peak:.0} | {truth:.1} | {gap:.0} | {:.0} |",
+        "| {} {} {resolution} {size} | {} | {} | {continued} of {} | {:.2} | {again:.2} | {one:.2} | {candidate:.2} | {fairing:.2} | {density:.2} | {later:.2} | {peak:.0} | {truth:.1} | {gap:.0} | {:.0} |",
         sample.name(),
         kind.name(),
         mesh.vertices.len(),

@@ -22,7 +22,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// The part of a copied fill's time in which its initial completion is made.
-const SMOOTH_SHARE: f64 = 0.03;
+const SMOOTH_SHARE: f64 = 0.05;
+/// The part of making the library that its sources take; the rest go to the object's symmetries.
+const SOURCES_SHARE: f64 = 0.78;
 
 /// What a call works on.
 pub(super) struct Call<'c> {
@@ -126,11 +128,11 @@ impl Completer<'_> {
         let making = Cost::of_library(self.mesh.vertices.len());
         let made = middle + (span.1 - middle) * making / (making + costs.iter().sum::<f64>());
         let check = |part: f64| monitor.step(middle + (made - middle) * part, "looking around");
-        let library = self.library_of(call, &begun, &|part| check(0.5 * part))?;
+        let library = self.library_of(call, &begun, &|part| check(SOURCES_SHARE * part))?;
         let search = begun.iter().any(|b| b.new_vertices() >= coherent::LEAST);
         if search && call.options.method == Method::Coherent && library.is_whole() {
             // Here, where there is progress for it: whichever hole came first would wait for them.
-            library.symmetries(&|| check(0.5))?;
+            library.symmetries(&|part| check(SOURCES_SHARE + (1.0 - SOURCES_SHARE) * part))?;
         }
         // Each is worked on by one thread.
         let begun: Vec<Mutex<Begun>> = begun.into_iter().map(Mutex::new).collect();

@@ -80,8 +80,11 @@ impl Library {
         let rims = || boundary.iter().copied();
         let of_part = sources.faces.is_some() || sources.exemplar.is_some();
         let paint = appearance.and_then(Paint::new);
-        let chosen = of_part.then(|| Source::chosen(mesh, rims(), sources, check)).transpose()?;
-        let known = Source::new(mesh, rims(), check)?.painted(&paint);
+        let first = if of_part { 0.5 } else { 0.0 };
+        let early = |part: f64| check(first * part);
+        let late = |part: f64| check(first + (1.0 - first) * part);
+        let chosen = of_part.then(|| Source::chosen(mesh, rims(), sources, &early)).transpose()?;
+        let known = Source::new(mesh, rims(), &late)?.painted(&paint);
         Ok(Self {
             guesses: guess_scales(known.area, sources.exemplar.as_deref()),
             known,
@@ -153,7 +156,8 @@ impl Library {
         let chosen = self.chosen.as_ref().map(|s| self.cloud(s, 1, radius, check)).transpose()?;
         let of_source = chosen.unwrap_or_else(|| known.clone());
         // An exemplar lies elsewhere.
-        let symmetries = if self.is_whole() { self.symmetries(check)? } else { Arc::default() };
+        let symmetries =
+            if self.is_whole() { self.symmetries(&|_| check())? } else { Arc::default() };
         once(&self.kept.maps, scale, || {
             let source = self.source();
             let spacing = centre_spacing(source, radius);
@@ -168,7 +172,7 @@ impl Library {
     }
 
     /// What may carry the object onto itself.
-    pub fn symmetries(&self, check: &dyn Fn() -> Result<()>) -> Result<Arc<Vec<Rigid>>> {
+    pub fn symmetries(&self, check: &dyn Fn(f64) -> Result<()>) -> Result<Arc<Vec<Rigid>>> {
         once(&self.kept.symmetries, (), || symmetries(&self.known, self.mirrored, check))
     }
 

@@ -26,7 +26,7 @@ use crate::holes::select::select_holes;
 use crate::holes::{find_holes, Hole, HoleList};
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood};
 use crate::mesh::{FaceView, MeshView, VertexView};
-use crate::options::{Grouping, Method, Options};
+use crate::options::{Grouping, Method, Options, Selection};
 #[cfg(feature = "capi")]
 pub(crate) use crate::parallel::WORKER;
 use crate::progress::Monitor;
@@ -152,8 +152,11 @@ impl<'a> Completer<'a> {
     /// [`Completer::new`]. The seconds returned include those of [`Completer::new`].
     pub fn complete(&self, options: &Options, monitor: &Monitor) -> Result<Completion> {
         let (clock, cpu) = (Instant::now(), ProcessTime::now());
-        // The thread count cannot change the result.
-        let asked = Options { threads: 0, ..options.clone() };
+        // The thread count cannot change the result, nor can it matter how the holes were chosen.
+        let mut asked = Options { threads: 0, ..options.clone() };
+        if let Ok(wanted) = select_holes(self.mesh, &self.holes, &options.selection) {
+            asked.selection = Selection::Ids((0..wanted.len()).filter(|&h| wanted[h]).collect());
+        }
         if let Some(mut again) = self.last_if(&asked) {
             again.seconds = (clock.elapsed() + self.spent.0).as_secs_f64();
             again.cpu_seconds = (cpu.elapsed() + self.spent.1).as_secs_f64();

@@ -71,6 +71,8 @@ pub struct ClosestPoint {
 
 /// The build asks whether to go on about once for so many triangles.
 const CHECKED: usize = 1 << 15;
+/// The part of the build that finding the order takes.
+const SORTED: f64 = 0.85;
 
 /// The larger of two numbers that are none of them NaN: one instruction, where [`f64::max`] takes several.
 #[inline(always)]
@@ -237,19 +239,21 @@ struct Sorted {
 impl Bvh {
     /// Builds the tree over all faces. Face indices must be below `positions.len()`.
     pub fn new(positions: &[DVec3], faces: &[[u32; 3]]) -> Self {
-        match Self::new_checked(positions, faces, &|| Ok(())) {
+        match Self::new_checked(positions, faces, &|_| Ok(())) {
             Ok(tree) => tree,
             Err(_) => unreachable!("nobody asked to stop"),
         }
     }
 
-    /// The same; asks `check` now and then whether to go on.
+    /// The same; asks `check` now and then whether to go on, with the part that is done.
     pub fn new_checked(
         positions: &[DVec3],
         faces: &[[u32; 3]],
-        check: &dyn Fn() -> Result<()>,
+        check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Self> {
-        let Sorted { nodes, items, .. } = sort(numbered(positions, faces), check)?;
+        let early = |part: f64| check(SORTED * part);
+        let Sorted { nodes, items, .. } = sort(numbered(positions, faces), &early)?;
+        let count = items.len() as f64;
         // Made again in order: to move them about takes twice the room or, in place, ten times as long.
         let mut tree = Self {
             nodes,
@@ -258,7 +262,7 @@ impl Bvh {
         };
         for (place, Item { index, .. }) in items.into_iter().enumerate() {
             if place % CHECKED == 0 {
-                check()?;
+                check(SORTED + (1.0 - SORTED) * place as f64 / count)?;
             }
             tree.faces.push(index);
             tree.triangles.push(faces[index as usize].map(|v| positions[v as usize]));
@@ -268,7 +272,7 @@ impl Bvh {
 
     /// Builds the tree over pairs (face index, corners).
     pub fn from_triangles(triangles: impl Iterator<Item = (u32, Triangle)>) -> Self {
-        let Ok(mut sorted) = sort(triangles, &|| Ok(())) else {
+        let Ok(mut sorted) = sort(triangles, &|_| Ok(())) else {
             unreachable!("nobody asked to stop")
         };
         put_in_order(&mut sorted);
@@ -412,19 +416,19 @@ fn line_parameter(origin: DVec3, direction: DVec3, t: &Triangle) -> Option<f64> 
 /// Finds the order of some triangles, and the nodes over them.
 fn sort(
     triangles: impl Iterator<Item = (u32, Triangle)>,
-    check: &dyn Fn() -> Result<()>,
+    check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Sorted> {
     let count = triangles.size_hint().0;
     let (mut faces, mut all) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (face, triangle) in triangles {
         if faces.len() % CHECKED == 0 {
-            check()?;
+            check(0.0)?;
         }
         faces.push(face);
         all.push(triangle);
     }
     let mut items = grid_centers(&all);
-    check()?;
+    check(0.0)?;
     // Leaves hold two at least.
     let mut nodes = Vec::with_capacity(all.len().div_ceil(2));
     if !items.is_empty() {
@@ -459,7 +463,7 @@ fn build_node(
     items: &mut [Item],
     first: u32,
     all: &[Triangle],
-    check: &dyn Fn() -> Result<()>,
+    check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Child> {
     let count = items.len();
     if count <= LEAF {
@@ -468,7 +472,7 @@ fn build_node(
         return Ok(Child { bounds, first, count: count as u32 });
     }
     if count > CHECKED {
-        check()?;
+        check(f64::from(first) / all.len() as f64)?;
     }
     let at = nodes.len();
     // Its place: what it holds comes after it.

@@ -182,15 +182,17 @@ impl Sums {
     /// The means, bridged where little is missing.
     fn into_map(mut self, frame: Frame) -> HeightMap {
         let points: f32 = self.count[..BINS].iter().sum();
-        let mut known = [0; RADII];
-        let bins = (0..BINS).filter(|&bin| self.count[bin] > 0.0);
-        for bin in bins {
-            self.height[bin] /= self.count[bin];
-            if let Some(tint) = &mut self.tint {
-                tint[bin] /= self.count[bin];
-            }
-            known[bin / ANGLES] |= 1 << (bin % ANGLES);
-        }
+        // Where there are none the sum is 0.
+        let mean = |sums: &mut Bins| {
+            sums.iter_mut().zip(&self.count).for_each(|(sum, count)| *sum /= count.max(1.0));
+        };
+        mean(&mut self.height);
+        self.tint.as_deref_mut().map(mean);
+        let known = |r: usize| {
+            let row = self.count[r * ANGLES..][..ANGLES].iter().enumerate();
+            row.fold(0, |bits, (a, &count)| bits | u64::from(count > 0.0) << a)
+        };
+        let mut known: [u64; RADII] = std::array::from_fn(known);
         let rows = |all: &Bins| -> [Row; RADII] {
             std::array::from_fn(|r| std::array::from_fn(|a| all[r * ANGLES + a]))
         };

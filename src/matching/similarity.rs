@@ -50,7 +50,7 @@ pub fn scaled(source: &Source, factor: f64, check: &dyn Fn() -> Result<()>) -> R
     });
     let mesh = SourceMesh {
         axes: source.axes,
-        tree: Bvh::new_checked(&positions, &source.faces, check)?,
+        tree: Bvh::new_checked(&positions, &source.faces, &|_| check())?,
         points: PointTree::new(&positions, source.points.ids().to_vec(), &|_| check())?,
         positions,
         normals: source.normals.clone(),

@@ -26,12 +26,12 @@ const KEEP: f64 = 0.7;
 pub fn symmetries(
     source: &Source,
     mirrored: bool,
-    check: &dyn Fn() -> Result<()>,
+    check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Vec<Rigid>> {
     // The same whichever hole asks first.
     let source = &source.for_hole(NONE);
     let spacing = (source.area / POINTS).sqrt();
-    let thinned = thin_vertices(source, spacing, check)?;
+    let thinned = thin_vertices(source, spacing, &|| check(0.0))?;
     let points: Vec<RingPoint> =
         thinned.points.into_iter().zip(thinned.normals).map(|(p, n)| (p, n, 0.0)).collect();
     if points.is_empty() {
@@ -43,11 +43,13 @@ pub fn symmetries(
     let radius = REACH * spread.sqrt();
     let pairing = Pairing { source, partner: Partner::Vertex, radius, keep: KEEP, paint: 0.0 };
     signs()
-        .filter(|s| mirrored || s.x * s.y * s.z > 0.0)
-        .map(|signs| {
+        .enumerate()
+        .filter(|(_, s)| mirrored || s.x * s.y * s.z > 0.0)
+        .map(|(i, signs)| {
             let linear = source.axes * DMat3::from_diagonal(signs) * source.axes.transpose();
             let start = Rigid { linear, translation: middle - linear * middle };
-            check()?;
+            // The points take about as long as one of them.
+            check((i + 1) as f64 / 7.0)?;
             Ok(align(&points, start, STEPS, &pairing))
         })
         .collect()
@@ -99,7 +101,7 @@ mod tests {
             places.map(|&p| t.point(p).distance(truth.point(p))).fold(0.0, f64::max)
         };
         let best = |all: &[Rigid]| all.iter().map(off).fold(f64::INFINITY, f64::min);
-        let found = symmetries(&source, true, &|| Ok(())).unwrap();
+        let found = symmetries(&source, true, &|_| Ok(())).unwrap();
         println!("{:.4} edges", best(&found) / source.edge);
         assert_eq!(found.len(), 6);
         assert!(best(&found) < 0.5 * source.edge);
@@ -108,9 +110,9 @@ mod tests {
         let all = [vertices.len(), faces.len()];
         let whole = Source::completed(mesh, std::iter::empty(), completion, all, &|_| Ok(()));
         let whole = whole.unwrap();
-        let of = |own| symmetries(&whole.for_hole(own), true, &|| Ok(())).unwrap();
+        let of = |own| symmetries(&whole.for_hole(own), true, &|_| Ok(())).unwrap();
         assert!(of(0) == of(1) && of(0) == found);
-        let turns = symmetries(&source, false, &|| Ok(())).unwrap();
+        let turns = symmetries(&source, false, &|_| Ok(())).unwrap();
         assert!(turns.len() == 3 && turns.iter().all(|t| !t.is_mirrored()));
     }
 }

@@ -3,7 +3,7 @@
 use crate::meshes::{sheet, within, Mesh};
 use complete_mesh::{
     complete_mesh_with, complete_points_with, Completer, Error, Grouping, Method, Monitor, Options,
-    Selection,
+    Selection, Sources,
 };
 use std::sync::Mutex;
 use std::thread;
@@ -63,6 +63,21 @@ fn never_falls_whatever_the_method_the_holes_and_the_threads() {
                 assert_eq!(filled, holes, "{name}");
             }
         }
+    }
+}
+
+/// In a mesh so large that its passes ask on their way whether to go on; from all of it, and from a part.
+#[test]
+fn never_falls_where_passes_over_the_mesh_are_long() {
+    let wave = |x: f64, y: f64| [x, y, 0.4 * (0.9 * x).sin() * (0.7 * y).cos()];
+    let mesh = sheet((330, 330), wave, |i, j| !within(i, j, 150, 154));
+    let half = (0..mesh.faces.len()).map(|f| f % 2 == 0 || f > 1000).collect();
+    for faces in [None, Some(half)] {
+        let name = format!("a part {}", faces.is_some());
+        let sources = Sources { faces, ..Sources::default() };
+        let selection = Selection::AllButLargest;
+        let options = Options { sources, selection, threads: 1, ..Options::default() };
+        watched(&name, |monitor| complete_mesh_with(mesh.view(), &options, monitor));
     }
 }
 
