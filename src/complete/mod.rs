@@ -40,7 +40,7 @@ use initial::InitialFaces;
 use library::Library;
 use pulled::share_points;
 use smooth::{Fill, Surroundings};
-use std::collections::HashSet;
+use std::collections::{HashSet, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -62,6 +62,9 @@ fn filling(method: Method) -> workers::Span {
         Method::Harary | Method::Fragment => (0.02, BESIDE.0),
     }
 }
+
+/// Results that a completer keeps.
+const LAST: usize = 16;
 
 /// Completes a mesh in one call, in silence. See [`Completer`] for the parts.
 pub fn complete_mesh<'a>(
@@ -92,8 +95,9 @@ pub struct Completer<'a> {
     of_points: bool,
     /// Made when a coherent completion first asks for it.
     library: Mutex<Option<(Key, Arc<Library>)>>,
-    /// The last result and what was asked for: a host that redoes need not wait.
-    last: Mutex<Option<(Options, Completion)>>,
+    /// The last results and what was asked for: a host that redoes, or goes back, need not wait. They are of new
+    /// vertices and faces alone.
+    last: Mutex<VecDeque<(Options, Completion)>>,
     /// Wall and CPU time of finding the holes.
     spent: (Duration, Duration),
 }
@@ -164,8 +168,12 @@ impl<'a> Completer<'a> {
             return Ok(again);
         }
         let completion = self.complete_anew(options, monitor)?;
-        let last = Some((asked, completion.clone()));
-        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = last;
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.len() == LAST {
+            last.pop_front();
+        }
+        last.push_back((asked, completion.clone()));
+        drop(last);
         Ok(completion)
     }
 
@@ -237,10 +245,10 @@ impl<'a> Completer<'a> {
         Ok(completion)
     }
 
-    /// The last result, if the same was asked for.
+    /// One of the last results, if the same was asked for.
     fn last_if(&self, asked: &Options) -> Option<Completion> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        last.as_ref().filter(|l| l.0 == *asked).map(|l| l.1.clone())
+        last.iter().find(|l| l.0 == *asked).map(|l| l.1.clone())
     }
 
     /// The selected holes that can be filled; an error for others unless they are to be skipped.

@@ -5,6 +5,7 @@ use complete_mesh::{
     complete_mesh_with, complete_points_with, Completer, Error, Grouping, Method, Monitor, Options,
     Selection, Sources,
 };
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Mutex;
 use std::thread;
 
@@ -79,6 +80,34 @@ fn never_falls_where_passes_over_the_mesh_are_long() {
         let options = Options { sources, selection, threads: 1, ..Options::default() };
         watched(&name, |monitor| complete_mesh_with(mesh.view(), &options, monitor));
     }
+}
+
+/// A kept completer gives back what it made before, however the same holes were chosen: one report, the same bits.
+#[test]
+fn what_was_made_is_given_back_at_once() {
+    let mesh = with_holes(2);
+    let kept = Completer::new(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
+    let border = kept.holes().holes.iter().max_by(|a, b| a.diameter.total_cmp(&b.diameter));
+    let inner = (0..3).filter(|&id| Some(id) != border.map(|h| h.id)).collect::<Vec<usize>>();
+    let of = |method, selection| Options { method, selection, ..Options::default() };
+    let first = of(Method::Coherent, Selection::AllButLargest);
+    let other = of(Method::Smooth, Selection::AllButLargest);
+    let chosen = of(Method::Coherent, Selection::Ids(inner));
+    let run = |options: &Options| {
+        let count = AtomicUsize::new(0);
+        let report = |_: f64, _: &str| {
+            count.fetch_add(1, Ordering::Relaxed);
+            true
+        };
+        let made = kept.complete(options, &Monitor::new(&report)).unwrap();
+        (made.vertices, made.faces, count.into_inner())
+    };
+    let (made, again) = (run(&first), run(&other));
+    assert!(made.2 > 1 && again.2 > 1 && made.0 != again.0);
+    for options in [&first, &chosen] {
+        assert_eq!(run(options), (made.0.clone(), made.1.clone(), 1), "{options:?}");
+    }
+    assert_eq!(run(&other), (again.0, again.1, 1));
 }
 
 /// Each candidate is a call of its own within the whole.
