@@ -4,9 +4,15 @@
 //! - `fold.ply`: two planes at right angles and a hole that ends at the fold;
 //!   `fold-loose.txt` has the rim vertices there;
 //! - `wall.ply`: a wall with a relief on the left, flat and painted on the right; around a hole in the relief it
-//!   has the right side's paint.
+//!   has the right side's paint;
+//! - `textured.obj`, with `textured.mtl` and `textured.png`: the painted vessel with a hole, its paint in an
+//!   image; `materials.obj`, with `materials.mtl`: in four materials;
+//! - `value.png` and `alpha.png`: pictures of it before and after, with a number at each vertex, and with alpha.
+
+mod dressed;
 
 use complete_mesh::io::{Document, Format};
+use complete_mesh::picture::Image;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::Path;
@@ -80,7 +86,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (x, y) = place(i, j);
         off(x, y) > 0.25
     };
-    save(grid((360, 160), wall, keep).0, &dir.join("wall.ply"))
+    save(grid((360, 160), wall, keep).0, &dir.join("wall.ply"))?;
+
+    // Coarser than what the image shows.
+    let coarse = dressed::broken_vessel(80)?;
+    let draw = |name: &str, image: Image| -> std::io::Result<()> {
+        image.write_png(std::fs::File::create(dir.join(name))?)
+    };
+    std::fs::write(dir.join("textured.obj"), dressed::textured(&coarse))?;
+    std::fs::write(dir.join("textured.mtl"), "newmtl paint\nmap_Kd textured.png\n")?;
+    draw("textured.png", dressed::image())?;
+    let vessel = dressed::broken_vessel(240)?;
+    let (text, library) = dressed::of_materials(&vessel);
+    std::fs::write(dir.join("materials.obj"), text)?;
+    std::fs::write(dir.join("materials.mtl"), library)?;
+    let value = |p| [dressed::lightness(p)];
+    let of_value = dressed::picture_of_values(&vessel, value, |x| dressed::in_colours(x[0]))?;
+    draw("value.png", of_value)?;
+    draw("alpha.png", dressed::picture_of_values(&vessel, dressed::glass, dressed::over_white)?)?;
+    Ok(())
 }
 
 fn save(text: String, path: &Path) -> Result<(), Box<dyn std::error::Error>> {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "attributes.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mc = mesh_completion;
@@ -73,12 +74,22 @@ void color_provenance(CMeshO& mesh, const mc::Result<Scalarm>& result, const Pla
 
 }  // namespace
 
-Carried::Carried(const MeshModel& model, const MeshModel* source, Coloring coloring) {
-  const auto has = [&](int mask) {
-    return model.hasDataMask(mask) && (!source || source->hasDataMask(mask));
+Carried::Carried(const MeshModel& model, const std::vector<const MeshModel*>& sources,
+                 bool and_mesh, Coloring coloring) {
+  const auto own = [&](int mask) { return model.hasDataMask(mask); };
+  const auto shared = [&](int mask) {
+    return own(mask) &&
+           std::all_of(sources.begin(), sources.end(),
+                       [&](const MeshModel* source) { return source->hasDataMask(mask); });
   };
-  color = coloring != Coloring::rim && has(MeshModel::MM_VERTCOLOR);
-  quality = has(MeshModel::MM_VERTQUALITY);
+  color = shared(MeshModel::MM_VERTCOLOR);
+  quality = shared(MeshModel::MM_VERTQUALITY);
+  of_sources = color || quality || !and_mesh;
+  if (!of_sources) {
+    color = own(MeshModel::MM_VERTCOLOR);
+    quality = own(MeshModel::MM_VERTQUALITY);
+  }
+  color = color && coloring != Coloring::rim;
 }
 
 void Carried::append(const CVertexO& vertex, std::vector<double>& values) const {

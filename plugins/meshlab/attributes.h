@@ -13,11 +13,13 @@
 enum class Coloring { shape = 0, rim = 1, provenance = 2, confidence = 3 };
 
 // Which values of the vertices are completed with the shape: red, green, blue and alpha, and quality, as
-// far as the layer, and the one that is copied from if it is another, have them.
+// far as the layer, and those that are copied from if they are others, have them. If those have neither and
+// the layer itself is copied from, too: its own, of which they know nothing.
 struct Carried {
-  bool color, quality;
+  bool color, quality, of_sources;
 
-  Carried(const MeshModel& model, const MeshModel* source, Coloring coloring);
+  Carried(const MeshModel& model, const std::vector<const MeshModel*>& sources, bool and_mesh,
+          Coloring coloring);
   void append(const CVertexO& vertex, std::vector<double>& values) const;
   // Those of a layer go into the options; the color steers.
   void give(const CMeshO& mesh, mesh_completion::Options& options) const;

@@ -49,6 +49,18 @@ std::vector<std::uint32_t> choose_holes(const CMeshO& mesh, const mc::Holes& hol
   return chosen;
 }
 
+// Those of some vertices that lie on a rim.
+std::vector<std::uint32_t> on_rims(const mc::Holes& holes, const std::vector<std::uint32_t>& vertices) {
+  std::set<std::uint32_t> rims;
+  for (const mc::Hole& hole : holes)
+    for (std::size_t l = 0; l < hole.loop_count; ++l)
+      for (const std::uint32_t v : holes.loop(hole.id, l)) rims.insert(v);
+  std::vector<std::uint32_t> found;
+  for (const std::uint32_t v : vertices)
+    if (rims.count(v)) found.push_back(v);
+  return found;
+}
+
 mc::Options options_of(const RichParameterList& parameters, vcg::CallBackPos* progress) {
   mc::Options options;
   const mc::Method methods[] = {mc::Method::coherent, mc::Method::smooth, mc::Method::harary};
@@ -99,9 +111,11 @@ Outcome fill_holes(MeshDocument& document, const RichParameterList& parameters,
   Allocator<CMeshO>::CompactEveryVector(mesh);
   mc::Options options = options_of(parameters, progress);
   const auto coloring = Coloring(parameters.getEnum("Color"));
-  const Carried carried(model, other_layer(document, parameters, "Source"), coloring);
+  const auto sources = source_layers(document, parameters);
+  const Carried carried(model, sources, parameters.getBool("AndMesh"), coloring);
   Outcome outcome;
-  outcome.error = set_guidance(document, parameters, carried, options);
+  outcome.error = set_guidance(document, parameters, sources, carried, options);
+  if (outcome.error.empty()) outcome.error = set_rims(document, parameters, options);
   if (!outcome.error.empty()) return outcome;
   carried.give(mesh, options);
   if (mesh.fn == 0) return fill_points(model, parameters, carried, options);
@@ -109,6 +123,12 @@ Outcome fill_holes(MeshDocument& document, const RichParameterList& parameters,
   const auto faces = faces_of(mesh);
   const auto completer = mc::Completer<Scalarm>::make(view_of(mesh, faces), options);
   if (!completer) return failed(mesh, completer.failure());
+  if (!options.loose_vertices.empty()) {
+    options.loose_vertices = on_rims(completer->holes(), options.loose_vertices);
+    if (options.loose_vertices.empty())
+      outcome.error = "\"Loose rim at selected vertices\": no selected vertex lies on a rim";
+  }
+  if (!outcome.error.empty()) return outcome;
   const int max_size = parameters.getInt("MaxHoleSize");
   const bool selected = parameters.getBool("Selected");
   if (max_size > 0 || selected) {

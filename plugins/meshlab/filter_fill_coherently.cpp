@@ -16,19 +16,14 @@ FilterFillCoherently::FilterFillCoherently() {
 }
 
 QString FilterFillCoherently::filterInfo(ML_ID) const {
-  // The dialog shows about 15 lines.
+  // Short: the dialog below it is long.
   return "Fill holes so that the fill continues what the rest of the object shows; where nothing on "
          "it serves, the fill is a smooth surface. The mesh itself stays as it is: only new vertices "
          "and faces are added; to a layer without faces, new points. Cannot be cancelled: MeshLab has "
          "no button for that.<br>"
-         "See:<br>"
-         "<i>G. Harary, A. Tal, E. Grinspun</i><br>"
-         "<b>\"Context-based Coherent Surface Completion\"</b><br>"
-         "ACM Transactions on Graphics 33(1), 2014<br>"
-         "and for the smooth surface:<br>"
-         "<i>P. Liepa</i><br>"
-         "<b>\"Filling Holes in Meshes\"</b><br>"
-         "Symposium on Geometry Processing, 2003";
+         "<i>G. Harary, A. Tal, E. Grinspun</i>: <b>Context-based Coherent Surface Completion</b>, ACM "
+         "Transactions on Graphics 33(1), 2014; the smooth surface: <i>P. Liepa</i>: <b>Filling Holes in "
+         "Meshes</b>, Symposium on Geometry Processing, 2003";
 }
 
 int FilterFillCoherently::postCondition(ML_ACTION) const {
@@ -87,9 +82,20 @@ void FilterFillCoherently::add_guidance(ML_DOCUMENT& document, RichParameterList
   parameters.addParam(RichInt("Candidate", 0, "Candidate",
                               "Copy from one place alone: 1 is the best that was found, 2 the second. 0: "
                               "from all of them together. The log says how many there are."));
+  parameters.addParam(RichEnum("SourceFaces", 0,
+                               QStringList() << "All" << "The selected ones"
+                                             << "All but the selected ones",
+                               "Faces to copy from",
+                               "Of the mesh itself. To close holes that no selected face touches, too, "
+                               "switch off \"Close holes with selected faces\"."));
   parameters.addParam(RichMesh("Source", current, &document, "Copy from layer",
                                "The current layer: copy from the mesh itself. Another layer: copy from "
                                "that alone, e.g. an intact twin, in any position."));
+  parameters.addParam(RichBool("VisibleLayers", false, "Copy from all other visible layers",
+                               "Several layers at once, from each what serves; but not those to pass "
+                               "through or to start from."));
+  parameters.addParam(RichBool("AndMesh", false, "Copy from the mesh itself, too",
+                               "On: from other layers and from the mesh itself. Off: from them alone."));
   parameters.addParam(RichFloat("LeastScale", 1, "Least scale of the source",
                                 "What is copied may be scaled by this factor or more, 0.001 to 1000. The "
                                 "wider the range, the slower; with 1 and 1 nothing is scaled."));
@@ -103,6 +109,15 @@ void FilterFillCoherently::add_guidance(ML_DOCUMENT& document, RichParameterList
                                "layers lie: it was put over the hole by hand, with the manipulators or "
                                "the alignment tool. Then aligned: that is improved by what is known "
                                "around the hole. Close one hole at a time."));
+  parameters.addParam(RichBool("Part", false, "Missing part",
+                               "For a part that is missing whole, as a hand or a foot: the fill is what lies "
+                               "over the hole of what is copied, its vertices and its faces."));
+  parameters.addParam(RichBool("Loose", false, "Loose rim at selected vertices",
+                               "Where they lie on a rim the fill need only be joined, not continue the surface "
+                               "there: for an edge that was sharp, or a border to something else."));
+  parameters.addParam(RichMesh("Initial", current, &document, "Start from layer",
+                               "The current layer: start from a smooth fill. Another layer: a duplicate "
+                               "whose holes were closed by other means; the fill starts from there."));
   parameters.addParam(RichMesh("Points", current, &document, "Pass through points of layer",
                                "The current layer: none. Another layer: its points lie inside holes, and "
                                "fills pass through them."));

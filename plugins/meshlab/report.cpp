@@ -15,7 +15,8 @@ std::string label_of(const std::string& message) {
       {"option sizing", "Size of the new triangles"}, {"option candidate", "Candidate"},
       {"option scales", "Least and greatest scale"},  {"option placement", "Place of the source"},
       {"option points", "Pass through points of layer"}, {"option softness", "Softness"},
-      {"option sources", "Copy from layer"}};
+      {"option sources", "Copy from layer"}, {"option part", "Missing part"},
+      {"option loose", "Loose rim at selected vertices"}, {"option initial", "Start from layer"}};
   for (const auto& label : labels)
     if (message.rfind(label[0], 0) == 0) return "\"" + std::string(label[1]) + "\": ";
   return "";

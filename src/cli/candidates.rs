@@ -3,7 +3,7 @@
 use super::args::FillArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::fill::{describe, draw, tell};
+use super::fill::{describe, draw, tell, wardrobe};
 use super::output::{same_file, Outputs};
 use super::report::{File, Report};
 use super::{check_interrupt, interrupt};
@@ -47,17 +47,22 @@ pub(super) fn run(
     }
     let extras = Extras { provenance: args.provenance };
     let (mut outputs, mut reports) = (Outputs::default(), Vec::new());
+    let wardrobe = args.picture.as_ref().map(|_| wardrobe(args, document));
     for (i, completion) in all.iter().enumerate() {
         let mut own = document.clone();
         own.append_with(completion, &extras, exemplar)?;
-        if let Some(path) = &args.picture {
+        let mut drawn_plain = Vec::new();
+        if let (Some(path), Some(wardrobe)) = (&args.picture, &wardrobe) {
             console.step("draw");
-            let image = draw(&own, &holes, completion, args.tint);
+            let image;
+            (image, drawn_plain) = draw(&own, &holes, completion, args.tint, wardrobe);
             outputs.stage(&numbered(path, i + 1), |w| image.write_png(w))?;
         }
         let path = numbered(&args.output, i + 1);
         outputs.stage(&path, |w| w.write_all(own.as_bytes()))?;
-        let report = Report::new(input.clone(), describe(&path, &own), options, &holes, completion);
+        let mut report =
+            Report::new(input.clone(), describe(&path, &own), options, &holes, completion);
+        report.warnings.extend(drawn_plain);
         reports.push(Report { candidate: i + 1, ..report });
     }
     let reports = Reports { candidates: reports };

@@ -5,6 +5,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::fill::{complete, draw};
 use super::output::Outputs;
+use super::skin::Wardrobe;
 use crate::io::{Document, Extras};
 use crate::options::Options;
 use crate::sample::{break_mesh, Break, BreakOptions, Sample};
@@ -51,7 +52,7 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<(), Failure> {
     document.append(&completion, &Extras::default())?;
     outputs.stage(&completed_path, |w| w.write_all(document.as_bytes()))?;
     console.step("draw");
-    let image = draw(&document, &holes, &completion, false);
+    let (image, _) = draw(&document, &holes, &completion, false, &Wardrobe::default());
     outputs.stage(&picture_path, |w| image.write_png(w))?;
     super::check_interrupt()?;
     outputs.commit()?;

@@ -7,7 +7,8 @@ use super::console::Console;
 use super::failure::Failure;
 use super::output::{same_file, Outputs};
 use super::points;
-use super::report::{warnings, File, Report};
+use super::report::{warnings, File, Report, Warning};
+use super::skin::Wardrobe;
 use super::{check_interrupt, interrupt};
 use crate::complete::Completer;
 use crate::error::Error;
@@ -57,13 +58,17 @@ pub(super) fn run(args: &FillArgs, console: &Console) -> Result<(), Failure> {
     let extras = Extras { provenance: args.provenance };
     document.append_with(&completion, &extras, exemplar.as_ref())?;
     let mut outputs = Outputs::default();
+    let mut drawn_plain = Vec::new();
     if let Some(path) = &args.picture {
         console.step("draw");
-        let image = draw(&document, &holes, &completion, args.tint);
+        let wardrobe = wardrobe(args, &document);
+        let image;
+        (image, drawn_plain) = draw(&document, &holes, &completion, args.tint, &wardrobe);
         outputs.stage(path, |w| image.write_png(w))?;
     }
     let output = describe(&args.output, &document);
-    let report = Report::new(input, output, &options, &holes, &completion);
+    let mut report = Report::new(input, output, &options, &holes, &completion);
+    report.warnings.extend(drawn_plain);
     write(args, outputs, &report, &document, console)?;
     tell(&report, &completion, console);
     Ok(())
@@ -180,13 +185,21 @@ pub(super) fn complete(
     Ok(result)
 }
 
-/// Both pictures from the completed document: the input's faces come first in it.
+/// The materials that the input names.
+pub(super) fn wardrobe(args: &FillArgs, document: &Document) -> Wardrobe {
+    Wardrobe::open(document, args.input.parent().unwrap_or(Path::new("")))
+}
+
+/// Both pictures from the completed document: the input's faces come first in it. And what is drawn plain
+/// for want of a texture.
 pub(super) fn draw(
     document: &Document,
     holes: &HoleList,
     completion: &Completion,
     tint: bool,
-) -> Image {
+    wardrobe: &Wardrobe,
+) -> (Image, Vec<Warning>) {
+    let (skin, warnings) = wardrobe.dress(document);
     let view = document.faces();
     let faces: Vec<[u32; 3]> = (0..view.len()).map(|f| view.get(f)).collect();
     let colours: Option<Vec<[u8; 3]>> =
@@ -195,6 +208,7 @@ pub(super) fn draw(
         mesh: MeshView::new(document.vertices(), &faces[..count]),
         colours: colours.as_deref(),
         tints: None,
+        skin: skin.as_ref(),
     };
     let filled: Vec<usize> = completion
         .holes
@@ -203,11 +217,12 @@ pub(super) fn draw(
         .map(|h| h.hole)
         .collect();
     let (before, after) = (shape(completion.input_face_count), shape(faces.len()));
-    if tint {
+    let image = if tint {
         with_sources(&before, &after, holes, &filled, completion)
     } else {
         before_and_after(&before, &after, holes, &filled)
-    }
+    };
+    (image, warnings)
 }
 
 pub(super) fn describe(path: &Path, document: &Document) -> File {
@@ -270,14 +285,14 @@ pub(super) fn tell(report: &Report, completion: &Completion, console: &Console) 
 }
 
 /// Warnings about the mesh. With `--json` they are part of the last line.
-pub(super) fn tell_warnings(list: &[super::report::Warning], console: &Console) {
+pub(super) fn tell_warnings(list: &[Warning], console: &Console) {
     if !console.is_json() {
         list.iter().for_each(|w| console.warn(&w.message));
     }
 }
 
 /// Warnings of a mesh that was only looked at.
-pub(super) fn look(holes: &HoleList, console: &Console) -> Vec<super::report::Warning> {
+pub(super) fn look(holes: &HoleList, console: &Console) -> Vec<Warning> {
     let list = warnings(holes);
     tell_warnings(&list, console);
     list

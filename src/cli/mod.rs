@@ -13,6 +13,7 @@ mod output;
 mod points;
 mod report;
 mod sample;
+mod skin;
 mod sources;
 
 use args::{Cli, Command};

@@ -9,7 +9,7 @@ use crate::result::{Completion, HoleStatus, SourceReport};
 use serde::Serialize;
 
 /// At most this many elements of a warning are listed; their count is always given.
-const LISTED: usize = 20;
+pub(super) const LISTED: usize = 20;
 
 /// The report of `fill`.
 #[derive(Debug, Serialize)]
@@ -148,7 +148,7 @@ pub(super) struct Warning {
     pub kind: &'static str,
     pub message: String,
     pub count: usize,
-    /// The first 20: pairs of vertices, faces, points, holes, or places.
+    /// The first 20: pairs of vertices, faces, points, holes, places, or files.
     pub elements: Vec<Element>,
 }
 
@@ -161,6 +161,7 @@ pub(super) enum Element {
     Point(u32),
     Hole(usize),
     Place([f64; 3]),
+    Text(String),
 }
 
 impl Measured {

@@ -26,6 +26,7 @@ mod attributes;
 mod convert;
 mod edit;
 mod error;
+mod mtl;
 mod obj;
 mod obj_corners;
 mod obj_texture;
@@ -39,6 +40,7 @@ mod text;
 mod xyz;
 
 pub use error::{IoError, Place};
+pub use mtl::{Material, Materials};
 
 use crate::mesh::{FaceView, VertexView};
 use crate::points::PointCompletion;
@@ -313,6 +315,15 @@ impl Document {
             Layout::Stl(_) | Layout::Xyz(_) => None,
             Layout::Off(layout) => layout.vertex_colours(&self.bytes),
             Layout::Pcd(layout) => layout.colours(&self.bytes),
+        }
+    }
+
+    /// The materials and texture coordinates of an OBJ file's faces; `None` if none has a material, and of
+    /// other formats.
+    pub fn materials(&self) -> Option<Materials> {
+        match self.layout {
+            Layout::Obj => mtl::materials(&self.bytes, &self.mesh),
+            _ => None,
         }
     }
 

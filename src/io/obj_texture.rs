@@ -243,6 +243,11 @@ impl Texture {
         self.charts = charts.into_roots();
     }
 
+    /// The first two numbers at a triangle's corners; `None` if one has none.
+    pub fn coordinates(&self, triangle: u32, mesh: &Mesh) -> Option<[[f64; 2]; 3]> {
+        Some(self.corners(triangle, mesh)?.rows.map(|row| [row[0], row[1]]))
+    }
+
     /// Of a triangle of the mesh; `None` if a corner has none.
     fn corners(&self, triangle: u32, mesh: &Mesh) -> Option<Corners> {
         let face = self.face(mesh.triangles.face_of(triangle as usize));

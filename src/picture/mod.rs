@@ -6,14 +6,17 @@
 
 mod aim;
 mod camera;
+mod decode;
 mod font;
 mod image;
 mod raster;
+mod skin;
 mod sources;
 
 pub use camera::Camera;
 pub use image::Image;
 pub use raster::Shape;
+pub use skin::{Paint, Skin, Texture};
 
 use crate::holes::{Hole, HoleList};
 use crate::matching::rigid::Rigid;

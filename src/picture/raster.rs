@@ -1,6 +1,6 @@
 //! The z-buffer and the shading.
 
-use super::{cross, dot, length, sub, Camera, Image};
+use super::{cross, dot, length, sub, Camera, Image, Skin};
 use crate::mesh::MeshView;
 use rayon::prelude::*;
 
@@ -13,6 +13,15 @@ pub struct Shape<'a> {
     pub colours: Option<&'a [[u8; 3]]>,
     /// Colours that are laid over faces, if any; must be as many as the faces or more.
     pub tints: Option<&'a [Option<[u8; 3]>]>,
+    /// Textures and materials of the faces, if any: they are drawn in place of the vertices' colours.
+    pub skin: Option<&'a Skin<'a>>,
+}
+
+impl<'a> Shape<'a> {
+    /// Of clay.
+    pub fn plain(mesh: MeshView<'a>) -> Self {
+        Self { mesh, colours: None, tints: None, skin: None }
+    }
 }
 
 /// Share of a tint in the colour of a face: the shape and its own colours still show.
@@ -222,10 +231,13 @@ impl<'a> Prepared<'a> {
         // Counter-clockwise faces show their outside; y runs down in the picture.
         let outside = area(&p) < 0.0;
         let normal = unit(if outside { normal } else { normal.map(|x| -x) });
+        let painted = || self.shape.skin?.colour(f, weights, 0.5 * area(&p).abs());
         let colour = match (outside, self.shape.colours) {
             (false, _) => INSIDE,
-            (true, Some(c)) => mix(&|v| c[v].map(from_srgb)),
-            (true, None) => CLAY,
+            (true, colours) => painted().unwrap_or_else(|| match colours {
+                Some(c) => mix(&|v| c[v].map(from_srgb)),
+                None => CLAY,
+            }),
         };
         let tint =
             self.shape.tints.and_then(|t| t[f]).filter(|_| outside).map(|t| t.map(from_srgb));
@@ -338,13 +350,13 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
 }
 
 /// sRGB transfer function (IEC 61966-2-1).
-fn to_srgb(x: f64) -> u8 {
+pub(super) fn to_srgb(x: f64) -> u8 {
     let x = x.clamp(0.0, 1.0);
     let y = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     (255.0 * y + 0.5) as u8
 }
 
-fn from_srgb(x: u8) -> f64 {
+pub(super) fn from_srgb(x: u8) -> f64 {
     let y = f64::from(x) / 255.0;
     if y <= 0.040_45 {
         y / 12.92

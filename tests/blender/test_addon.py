@@ -17,6 +17,7 @@ import test_guidance  # noqa: E402
 import test_modal  # noqa: E402
 import test_painted  # noqa: E402
 import test_points  # noqa: E402
+import test_rims  # noqa: E402
 import test_sources  # noqa: E402
 import test_trouble  # noqa: E402
 import test_undo  # noqa: E402
@@ -57,6 +58,7 @@ for module in (
     test_points,
     test_sources,
     test_guidance,
+    test_rims,
     test_edit,
     test_undo,
     test_trouble,

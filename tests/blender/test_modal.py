@@ -46,9 +46,11 @@ class Driven:
     method, density, max_edges = "COHERENT", 1.0, 0
     source, place, mirror, candidate, points_object = "MESH", "SEARCH", True, 0, ""
     least_scale, greatest_scale, match_colors = 1.0, 1.0, True
+    part, loose_group, initial_object, source_and_mesh = False, "", "", False
     keep_largest_open, join_loops, skip_unsafe, write_attributes = False, True, False, True
     invoke, modal, cancel, execute = OPERATOR.invoke, OPERATOR.modal, OPERATOR.cancel, OPERATOR.execute
     others, sources, guidance, points = Guided.others, Guided.sources, Guided.guidance, Guided.points
+    rims, of_others_alone = Guided.rims, Guided.of_others_alone
     _arguments, _show = OPERATOR._arguments, OPERATOR._show
     _clean_up, _take, _finish, _fail = OPERATOR._clean_up, OPERATOR._take, OPERATOR._finish, OPERATOR._fail
 

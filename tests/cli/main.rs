@@ -7,3 +7,4 @@ mod other;
 mod place;
 mod points;
 mod sources;
+mod textures;

@@ -3,7 +3,7 @@
 use crate::meshes::{sheet, within, Mesh};
 use complete_mesh::{
     complete_mesh_with, complete_points_with, Completer, Error, Grouping, Method, Monitor, Options,
-    Selection, Sources,
+    Selection, Sizing, Sources,
 };
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Mutex;
@@ -89,10 +89,10 @@ fn what_was_made_is_given_back_at_once() {
     let kept = Completer::new(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
     let border = kept.holes().holes.iter().max_by(|a, b| a.diameter.total_cmp(&b.diameter));
     let inner = (0..3).filter(|&id| Some(id) != border.map(|h| h.id)).collect::<Vec<usize>>();
-    let of = |method, selection| Options { method, selection, ..Options::default() };
-    let first = of(Method::Coherent, Selection::AllButLargest);
-    let other = of(Method::Smooth, Selection::AllButLargest);
-    let chosen = of(Method::Coherent, Selection::Ids(inner));
+    let of = |sizing, selection| Options { sizing, selection, ..Options::default() };
+    let first = of(Sizing::Surroundings, Selection::AllButLargest);
+    let other = of(Sizing::Scaled(0.6), Selection::AllButLargest);
+    let chosen = of(Sizing::Surroundings, Selection::Ids(inner));
     let run = |options: &Options| {
         let count = AtomicUsize::new(0);
         let report = |_: f64, _: &str| {

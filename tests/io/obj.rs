@@ -112,3 +112,42 @@ fn a_texture_number_that_names_nothing_is_not_followed() {
     d.append(&floor(), &PLAIN).unwrap();
     assert!(text(&d).ends_with("f 4//4 3//3 6//6\nf 1//1 4//4 6//6\n"), "{}", text(&d));
 }
+
+#[test]
+fn materials_and_coordinates_are_read_by_triangle() {
+    let d = read(RICH);
+    let found = d.materials().unwrap();
+    assert_eq!(found.libraries, ["a b.mtl"]);
+    assert_eq!(found.names, ["red", "blue"]);
+    // The first face alone has coordinates.
+    assert_eq!(found.of_face, [0, 0, 1, 1]);
+    assert_eq!(found.coordinates, [Some([[0.5, 0.5]; 3]), None, None, None]);
+    let polygon = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nvt 0 0 7\nvt 2 0\nvt 2 1\nvt 0 1\n\
+                   f 1/1 2/2 3/3\nusemtl a\nf 1/-4 3/-2 4/-1 2/9\n";
+    let found = read(polygon).materials().unwrap();
+    assert_eq!(found.of_face, [complete_mesh::result::NONE, 0, 0]);
+    assert_eq!(found.coordinates[0], Some([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]]));
+    // A number beyond the last names nothing.
+    assert!(found.coordinates[1..].iter().any(Option::is_none));
+    assert!(read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").materials().is_none());
+}
+
+#[test]
+fn material_libraries_are_read() {
+    use complete_mesh::io::Material;
+    let text = "# made by hand\nKd 1 1 1\nnewmtl dark oak\n  Kd 0.5 .25 7 # brown\r\nmap_Kd \
+                -blendu on -o 1 2 -mm 0 1 -s 2 oak bark.png\nnewmtl bare\nmap_Bump x.png\nnewmtl odd\n\
+                Kd spectral x.rfl\nmap_Kd -unknown y.png\n";
+    let found = Material::read_library(text.as_bytes());
+    let of = |name: &str, colour, image: Option<&str>| Material {
+        name: name.into(),
+        colour,
+        image: image.map(Into::into),
+    };
+    let expected = [
+        of("dark oak", Some([0.5, 0.25, 1.0]), Some("oak bark.png")),
+        of("bare", None, None),
+        of("odd", None, Some("-unknown y.png")),
+    ];
+    assert_eq!(found, expected);
+}

@@ -81,10 +81,16 @@ RichParameterList defaults(MeshDocument& document) {
   list.addParam(RichEnum("Color", 0, QStringList() << "With the shape", "", ""));
   list.addParam(RichBool("Mirror", true, "", ""));
   list.addParam(RichInt("Candidate", 0, "", ""));
+  list.addParam(RichEnum("SourceFaces", 0, QStringList() << "All", "", ""));
   list.addParam(RichMesh("Source", document.mm(), &document, "", ""));
+  list.addParam(RichBool("VisibleLayers", false, "", ""));
+  list.addParam(RichBool("AndMesh", false, "", ""));
   list.addParam(RichFloat("LeastScale", 1, "", ""));
   list.addParam(RichFloat("GreatestScale", 1, "", ""));
   list.addParam(RichEnum("Place", 0, QStringList() << "Searched for", "", ""));
+  list.addParam(RichBool("Part", false, "", ""));
+  list.addParam(RichBool("Loose", false, "", ""));
+  list.addParam(RichMesh("Initial", document.mm(), &document, "", ""));
   list.addParam(RichMesh("Points", document.mm(), &document, "", ""));
   list.addParam(RichFloat("Softness", 0, "", ""));
   return list;

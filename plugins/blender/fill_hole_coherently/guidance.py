@@ -9,6 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from . import mesh_data
 from .session import NothingToFill
 
+OF_FACES = ("GROUP", "SELECTED")
 OF_OTHERS = ("OBJECT", "COLLECTION")
 
 
@@ -35,6 +36,18 @@ class Guided:
     source_object: StringProperty(name="Object", description="Mesh object to copy from")
     source_collection: StringProperty(
         name="Collection", description="Collection whose mesh objects are copied from"
+    )
+    source_inverted: BoolProperty(
+        name="All But These",
+        description="Copy from all faces of the mesh but these",
+        default=False,
+        options={"SKIP_SAVE"},
+    )
+    source_and_mesh: BoolProperty(
+        name="And the Mesh",
+        description="Copy from the mesh itself, too",
+        default=False,
+        options={"SKIP_SAVE"},
     )
     place: EnumProperty(
         name="Place",
@@ -84,6 +97,25 @@ class Guided:
         description="Copy mirrored places, too. Off: for lettering, and whatever has a handedness",
         default=True,
     )
+    part: BoolProperty(
+        name="Missing Part",
+        description="For a part that is missing whole, as a hand or a foot: the fill is what lies over the "
+        "hole of what is copied, its vertices and its faces",
+        default=False,
+        options={"SKIP_SAVE"},
+    )
+    loose_group: StringProperty(
+        name="Loose Rim",
+        description="Vertex group: at those of its vertices that lie on a rim the fill need only be joined to the rim, not continue the "
+        "surface there. For an edge that was sharp, or a border to something else",
+        options={"SKIP_SAVE"},
+    )
+    initial_object: StringProperty(
+        name="Start From",
+        description="Mesh object that is this one with its holes filled by other means, e.g. a duplicate "
+        "filled with Grid Fill and sculpted: the fill starts from there, not from a smooth one",
+        options={"SKIP_SAVE"},
+    )
     points_object: StringProperty(
         name="Through Points",
         description="Mesh object whose vertices lie inside holes: the fill passes through them",
@@ -106,6 +138,10 @@ class Guided:
             layout.prop_search(self, "source_object", bpy.data, "objects")
         elif self.source == "COLLECTION":
             layout.prop_search(self, "source_collection", bpy.data, "collections")
+        if self.source in OF_FACES:
+            layout.prop(self, "source_inverted")
+        elif self.source in OF_OTHERS and self.place == "SEARCH":
+            layout.prop(self, "source_and_mesh")
         layout.prop(self, "place")
         if self.place == "SEARCH":
             layout.prop(self, "candidate")
@@ -115,9 +151,19 @@ class Guided:
             layout.prop(self, "mirror")
         elif self.source not in OF_OTHERS:
             layout.prop_search(self, "place_object", bpy.data, "objects")
+        layout.prop(self, "part")
+        if context.active_object:
+            layout.prop_search(self, "loose_group", context.active_object, "vertex_groups")
+        layout.prop_search(self, "initial_object", bpy.data, "objects")
         layout.prop_search(self, "points_object", bpy.data, "objects")
         if self.points_object:
             layout.prop(self, "softness")
+
+    @property
+    def of_others_alone(self):
+        """Whether other objects are copied from and the mesh is not. What was put over the hole by hand is the
+        only copy."""
+        return not self.source_and_mesh or self.place != "SEARCH"
 
     def others(self, ob):
         """The objects that are copied from, if they are not the mesh's own."""
@@ -139,19 +185,26 @@ class Guided:
     def sources(self, ob, arrays, others):
         """The library's arguments for what may be copied from."""
         if others:
-            return mesh_data.object_sources(ob, arrays, others)
-        if self.source in ("GROUP", "SELECTED") and arrays.is_cloud:
+            return mesh_data.object_sources(ob, arrays, others, self.of_others_alone)
+        if self.source not in OF_FACES:
+            return {}
+        if arrays.is_cloud:
             raise NothingToFill("Points have no faces to choose: copy from the whole mesh or another object")
         if self.source == "GROUP":
-            return mesh_data.group_sources(ob, arrays, self.source_group)
-        if self.source == "SELECTED":
-            return mesh_data.selected_sources(ob, arrays)
-        return {}
+            faces = mesh_data.faces_of_group(ob, arrays, self.source_group)
+        else:
+            faces = mesh_data.selected_faces(ob, arrays)
+        if self.source_inverted:
+            faces = ~faces
+            if not faces.any():
+                raise NothingToFill("No face is left to copy from")
+        return {"source_faces": faces}
 
     def guidance(self, ob, others):
         """The library's arguments for where it is copied to; for coherent fills."""
+        part = {"part": True} if self.part else {}
         if self.place == "SEARCH":
-            asked = {"candidate": self.candidate}
+            asked = {"candidate": self.candidate, **part}
             if (self.least_scale, self.greatest_scale) != (1.0, 1.0):
                 asked["scale_range"] = (self.least_scale, self.greatest_scale)
             return asked
@@ -165,7 +218,21 @@ class Guided:
                     "over the hole, or an Empty"
                 )
             matrix = mesh_data.seen_from(ob, like)[:3]
-        return {"placement": matrix, "refine": self.place == "ALIGN"}
+        return {"placement": matrix, "refine": self.place == "ALIGN", **part}
+
+    def rims(self, ob, arrays):
+        """The library's arguments for where fills end and what they start from."""
+        asked = {}
+        if self.loose_group:
+            asked["loose_vertices"] = mesh_data.vertices_of_group(ob, self.loose_group, "be loose")
+        if self.initial_object:
+            other = bpy.data.objects.get(self.initial_object)
+            if other is None or other.type != "MESH" or other.data == ob.data:
+                raise NothingToFill("Choose another mesh object to start from: this one, filled by other means")
+            asked |= mesh_data.initial(ob, arrays, other)
+        if arrays.is_cloud and (asked or self.part):
+            raise NothingToFill("Points have no loose rim, no missing part and no mesh to start from")
+        return asked
 
     def points(self, ob):
         """The library's arguments for what fills pass through."""

@@ -72,8 +72,8 @@ def settled(ob):
 class Carried:
     """What the mesh carries beside its shape, read before it is filled."""
 
-    def __init__(self, ob, arrays, colours_steer, others=()):
-        """`others`: the objects that are copied from, if they are others."""
+    def __init__(self, ob, arrays, colours_steer, others=(), alone=True):
+        """`others`: the objects that are copied from, if they are others, and whether from them alone."""
         self._arrays, self._uvs = arrays, {}
         self.normals = None
         with settled(ob) as mesh:
@@ -86,7 +86,7 @@ class Carried:
         for other in others:
             with settled(other) as mesh:
                 exemplars.append(values.read(mesh))
-        self.asked = values.ask(attributes, colours_steer, exemplars)
+        self.asked = values.ask(attributes, colours_steer, exemplars, alone)
 
     def _read_texture(self, mesh):
         mesh.calc_loop_triangles()
@@ -119,27 +119,61 @@ class Carried:
         return of_layer
 
 
-def group_sources(ob, arrays, name):
-    """Sources in a vertex group: the triangles whose vertices are all in it."""
+def vertices_of_group(ob, name, purpose):
+    """(k,): the vertices in a vertex group."""
     group = ob.vertex_groups.get(name)
     if group is None:
-        raise NothingToFill(f"Choose a vertex group to copy from: there is none called '{name}'")
-    inside = np.array(
-        [any(g.group == group.index and g.weight > 0 for g in v.groups) for v in ob.data.vertices], bool
-    )
+        raise NothingToFill(f"Choose a vertex group to {purpose}: there is none called '{name}'")
+    inside = [any(g.group == group.index and g.weight > 0 for g in v.groups) for v in ob.data.vertices]
+    if not any(inside):
+        raise NothingToFill(f"The vertex group '{name}' has no vertex to {purpose}")
+    return np.flatnonzero(inside)
+
+
+def faces_of_group(ob, arrays, name):
+    """(m,) bool: the triangles whose vertices are all in a vertex group."""
+    inside = np.zeros(len(arrays.vertices), bool)
+    inside[vertices_of_group(ob, name, "copy from")] = True
     faces = inside[arrays.triangles].all(axis=1)
     if not faces.any():
         raise NothingToFill(f"The vertex group '{name}' has no face to copy from")
-    return {"source_faces": faces}
+    return faces
 
 
-def selected_sources(ob, arrays):
-    """Sources in the selection: the triangles of the polygons in it."""
+def selected_faces(ob, arrays):
+    """(m,) bool: the triangles of the polygons in the selection."""
     if ob.mode != "EDIT":
         raise NothingToFill("Select the faces to copy from in Edit Mode, and fill there")
     if not arrays.selected_faces.any():
         raise NothingToFill("Select the faces to copy from: no face is selected")
-    return {"source_faces": arrays.selected_faces}
+    return arrays.selected_faces
+
+
+def initial(ob, arrays, other):
+    """The library's arguments for what another object adds to the mesh: its first vertices and polygons must
+    be those of the mesh, in its own coordinates, wherever it stands."""
+    theirs = read(other)
+    n, m = len(arrays.vertices), len(ob.data.polygons)
+    new = theirs.polygons >= m
+    if theirs.vertices[:n].tobytes() != arrays.vertices.tobytes() or not np.array_equal(
+        _corners(other.data, m), _corners(ob.data, m)
+    ):
+        raise NothingToFill(
+            f"'{other.name}' does not begin with the vertices and faces of the mesh: start from a duplicate "
+            "whose holes were filled, and nothing else changed"
+        )
+    if not new.any():
+        raise NothingToFill(f"'{other.name}' has no face more than the mesh: nothing to start from")
+    return {"initial_vertices": theirs.vertices[n:], "initial_faces": theirs.triangles[new]}
+
+
+def _corners(mesh, polygons):
+    """The corners of the first polygons: where each begins, and their vertices."""
+    starts, vertices = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.loops), np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    end = starts[polygons] if polygons < len(starts) else len(vertices)
+    return np.concatenate([starts[:polygons], vertices[:end]])
 
 
 def seen_from(ob, other):
@@ -153,9 +187,9 @@ def places_of(ob, other):
     return read(other).vertices @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-def object_sources(ob, arrays, others):
-    """Sources on other objects alone, in the sizes that they have in the scene. Their polygons are
-    counted on from those of the mesh."""
+def object_sources(ob, arrays, others, alone):
+    """Sources on other objects, alone or beside the mesh itself, in the sizes that they have in the scene.
+    Their polygons are counted on from those of the mesh."""
     places, faces, polygons = [], [], [arrays.polygons]
     count, before = 0, len(ob.data.polygons)
     for other in others:
@@ -173,7 +207,7 @@ def object_sources(ob, arrays, others):
     sources = {
         "exemplar_vertices": np.concatenate(places).astype(np.float32),
         "exemplar_faces": np.concatenate(faces),
-        "exemplar_only": True,
+        "exemplar_only": alone,
     }
     if len(others) > 1:
         sources["exemplar_parts"] = [len(each) for each in places]

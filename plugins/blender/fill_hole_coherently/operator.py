@@ -109,7 +109,7 @@ class MESH_OT_fill_hole_coherently(guidance.Guided, bpy.types.Operator):
     def _arguments(self, ob, arrays):
         """What session.fill takes, and what the mesh carries."""
         others = self.others(ob)
-        carried = mesh_data.Carried(ob, arrays, self.match_colors, others)
+        carried = mesh_data.Carried(ob, arrays, self.match_colors, others, self.of_others_alone)
         options = session.Options(
             method=self.method.lower(),
             density=self.density,
@@ -125,6 +125,7 @@ class MESH_OT_fill_hole_coherently(guidance.Guided, bpy.types.Operator):
             values=carried.asked.arguments,
             guidance=self.guidance(ob, others),
             points=self.points(ob),
+            rims=self.rims(ob, arrays),
         )
         return (arrays.vertices, arrays.triangles, arrays.selected, options), carried
 

@@ -37,9 +37,11 @@ class Options:
     sources: dict = field(default_factory=dict)
     """The library's source_faces, or exemplar_vertices and exemplar_faces: see guidance.py."""
     guidance: dict = field(default_factory=dict)
-    """Its placement and refine, or candidate and scale_range."""
+    """Its placement and refine, or candidate and scale_range; and part."""
     points: dict = field(default_factory=dict)
     """Its constraint_points and softness."""
+    rims: dict = field(default_factory=dict)
+    """Its loose_vertices, initial_vertices and initial_faces."""
     values: dict = field(default_factory=dict)
     """The library's vertex_values and what belongs to them: see values.py."""
 
@@ -51,7 +53,7 @@ class Options:
         """The library's own names for what the result depends on, beside the choice of holes."""
         arguments = {"method": self.method, "skip_unsafe": self.skip_unsafe}
         arguments |= {"unmirrored": not self.mirror, **self.sources, **self.values}
-        arguments |= self.points
+        arguments |= {**self.points, **self.rims}
         if self.method == "coherent":
             arguments |= self.guidance
         if self.density != 1.0:
@@ -108,12 +110,15 @@ def fill(vertices, triangles, selected, options, progress=None):
     if not len(triangles) and not options.is_cloud:
         raise NothingToFill("The mesh has edges and no faces: fill needs faces, or vertices alone")
     kept = _completer(vertices, triangles, options, progress)
+    arguments = options.arguments()
+    if "loose_vertices" in arguments:
+        arguments["loose_vertices"] = on_rims(kept.completer.holes, arguments["loose_vertices"])
     try:
         result = kept.fill(
             # Finding the holes is quick: a twentieth of the bar.
             lambda fraction, stage: progress(0.05 + 0.95 * fraction, stage),
             **selection(kept.completer, selected, options),
-            **options.arguments(),
+            **arguments,
         )
         if all(hole.is_border for hole in result.holes):
             raise NothingToFill("The points have no holes" + " but their border" * bool(len(result.holes)))
@@ -153,6 +158,15 @@ def choose(holes, selected, options):
         if not chosen:
             raise NothingToFill(f"Every hole has more than {options.max_edges} edges")
     return [hole.id for hole in chosen]
+
+
+def on_rims(holes, vertices):
+    """Those of some vertices that lie on a rim."""
+    loops = [loop for hole in holes for loop in hole.loops]
+    found = np.intersect1d(vertices, np.concatenate([np.empty(0, np.int64), *loops]))
+    if not len(found):
+        raise NothingToFill("No vertex of the group of the loose rim lies on a rim")
+    return found
 
 
 def rims(holes, ids):

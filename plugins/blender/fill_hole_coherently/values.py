@@ -102,18 +102,19 @@ def _of_vertices(mesh, rows, domain):
     return np.stack(sums, 1) / np.maximum(count, 1)[:, None]
 
 
-def ask(attributes, colours_steer, exemplars=()):
-    """Values of a mesh's attributes; with exemplars those that all of them have, too, by their names."""
-    if exemplars:
-        others = [{other.name: other for other in exemplar} for exemplar in exemplars]
-        pairs = [(a, [_alike(a, own.get(a.name)) for own in others]) for a in attributes]
-        pairs = [(a, rows) for a, rows in pairs if all(own is not None for own in rows)]
-        attributes = [a for a, _ in pairs]
+def ask(attributes, colours_steer, exemplars=(), alone=True):
+    """Values of a mesh's attributes; with exemplars those that all of them have, too, by their names. If they
+    have none of them and are not copied from alone: the mesh's own, of which those parts know nothing."""
+    others = [{other.name: other for other in exemplar} for exemplar in exemplars]
+    pairs = [(a, [_alike(a, own.get(a.name)) for own in others]) for a in attributes]
+    shared = [(a, rows) for a, rows in pairs if all(own is not None for own in rows)]
+    if shared or alone:
+        attributes = [a for a, _ in shared]
     if not attributes:
         return Values([], {})
     arguments = {"vertex_values": np.column_stack([a.rows for a in attributes])}
-    if exemplars:
-        arguments["exemplar_values"] = np.column_stack([np.concatenate(rows) for _, rows in pairs])
+    if exemplars and shared:
+        arguments["exemplar_values"] = np.column_stack([np.concatenate(rows) for _, rows in shared])
     if colours_steer and attributes[0].is_colour:
         arguments["steering_channels"] = 3
     return Values(attributes, arguments)
