@@ -10,7 +10,7 @@
 //!   averages of positions (Eq. 5 and 6) lose the detail.
 
 use super::coloured::{lack, take_colours, EMPHASIS};
-use super::guided::{rank, transforms, RankedView};
+use super::guided::{common, rank, transforms, RankedView};
 use super::library::Library;
 use super::quilted::quilt_colours;
 use super::smooth::{Fill, Story, Surroundings};
@@ -34,6 +34,7 @@ use crate::synthesis::view::{look, View};
 use crate::synthesis::window::{one_window, plan_windows, Window};
 use std::cell::Cell;
 use std::slice::from_ref;
+use std::sync::Arc;
 
 /// Fewer new vertices than this have no room for detail.
 pub const LEAST: usize = 6;
@@ -246,7 +247,13 @@ impl Scope<'_> {
         let targets: Vec<Target<'_>> =
             from.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
         let check = |part: f64| (self.check)(part * self.search);
-        let found = transforms(self.library, self.guidance, &targets, threads, &check)?;
+        let mut found = transforms(self.library, self.guidance, &targets, threads, &check)?;
+        // A twin, or what is left of one, may have all of a long hole in one place.
+        if targets.len() > 1 && !self.library.is_whole() && !self.guidance.is_single() {
+            let check = || check(1.0);
+            let one = common(self.library, self.guidance, &targets, &found, threads, &check)?;
+            found = one.map_or(found, |place| Arc::new(vec![vec![place]; targets.len()]));
+        }
         let mut views = Vec::new();
         for (i, (window, all)) in windows.iter().zip(found.iter()).enumerate() {
             let part = |part: f64| (i as f64 + part) / windows.len() as f64;

@@ -35,6 +35,9 @@ const REACH: f64 = 0.5;
 /// square), are one candidate: the alignments of one place differ by some hundredths, and ornament repeats
 /// seldom within a fifth of what is lost.
 const SAME: f64 = 0.2;
+/// Places of each window that may serve all windows of a hole, and the gap, in edges, up to which one does: two
+/// scans of one thing differ by less, other things by more all around a long hole.
+const COMMON: (usize, f64) = (2, 0.5);
 /// Points of a fill that are compared, at most about.
 const SEEN: usize = 64;
 
@@ -71,6 +74,33 @@ pub fn transforms(
     let found = library.candidates(targets, threads, check)?;
     let transforms = |list: &Vec<Candidate>| list.iter().map(|c| c.transform).collect();
     Ok(Arc::new(found.iter().map(transforms).collect()))
+}
+
+/// The one place that serves all windows of a hole, if there is one: of the best of each that which fits the rings of
+/// all, aligned with them.
+pub fn common(
+    library: &Library,
+    guidance: &Guidance,
+    targets: &[Target<'_>],
+    found: &[Vec<Rigid>],
+    threads: usize,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Option<Rigid>> {
+    let (source, edge) = (library.source(), library.known.edge);
+    let radius = targets.iter().map(|t| t.radius).fold(0.0, f64::max);
+    let all: Vec<RingPoint> = targets.iter().flat_map(|t| t.ring.iter().copied()).collect();
+    let ring = thin_ring(&all, 2 * POINTS[1], &library.known.axes);
+    let fill: Vec<DVec3> = targets.iter().flat_map(|t| t.fill.iter().copied()).collect();
+    let firsts = found.iter().flat_map(|list| list.iter().take(COMMON.0).copied());
+    let starts = distinct(firsts, &fill, 0.25 * SAME * radius, KEPT);
+    let one = |i: usize| {
+        let with_scale = guidance.scales.is_some();
+        let place = refine(source, &ring, &starts[i], with_scale, REACH * radius);
+        (gap(source, &ring, &place, radius), place)
+    };
+    let tried = parallel::map(starts.len(), threads, check, &one)?;
+    let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(best.filter(|b| b.0 < COMMON.1 * edge).map(|b| b.1))
 }
 
 /// The transform given by hand, improved on the rings of all windows if that is wished for.

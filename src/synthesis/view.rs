@@ -92,7 +92,9 @@ pub fn look<'a>(
     if copies.is_empty() || domain.fill.is_empty() {
         return Ok(None);
     }
-    let Some(mut fitted) = fit(domain, &copies, threads, &|part| check(0.4 + 0.3 * part))? else {
+    let alone = candidates.len() == 1;
+    let late = |part: f64| check(0.4 + 0.3 * part);
+    let Some(mut fitted) = fit(domain, &copies, alone, threads, &late)? else {
         return Ok(None);
     };
     let scores = score(domain, &copies, &fitted, roughness);

@@ -52,6 +52,28 @@ fn the_twin_gives_back_what_is_missing() {
     }
 }
 
+/// A missing band bends all around the object, and no window sees it whole: a twin that has all of it in one place
+/// gives it back, whether its triangles are the same (then nearly exactly) or others; a smooth fill is far off.
+#[test]
+fn a_twin_gives_back_a_missing_band() {
+    let (broken, whole) = broken_vessel(Break::Ring);
+    let other = Sample::Vessel.build(130).unwrap();
+    let vertices = other.vertices.iter().map(|p| p.map(f64::from)).collect();
+    let other = Mesh { vertices, faces: other.faces };
+    let by = |twin: &Mesh, method| {
+        let exemplar = Some(Arc::new(moved(twin, false)));
+        let sources = Sources { exemplar, exemplar_only: true, ..Sources::default() };
+        let made = complete_checked(&broken, &Options { sources, method, ..Options::default() });
+        (off(&made, &whole), made.holes[0].confidence)
+    };
+    let (smooth, _) = by(&whole, Method::Smooth);
+    let (same, sure) = by(&whole, Method::Coherent);
+    let (another, _) = by(&other, Method::Coherent);
+    println!("smooth {smooth:.3}, the same {same:.4}, other triangles {another:.3} edges");
+    assert!(same < 0.05 && sure > 0.95, "{same} {sure}");
+    assert!(another < 0.5 * smooth && smooth > 1.0, "{another} of {smooth}");
+}
+
 /// Nothing comes from faces that may not be copied from, and nothing is mirrored that must not be.
 #[test]
 fn only_what_may_be_copied_from_is() {
