@@ -87,9 +87,7 @@ pub fn common(
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Option<Rigid>> {
     let (source, edge) = (library.source(), library.known.edge);
-    let radius = targets.iter().map(|t| t.radius).fold(0.0, f64::max);
-    let all: Vec<RingPoint> = targets.iter().flat_map(|t| t.ring.iter().copied()).collect();
-    let ring = thin_ring(&all, 2 * POINTS[1], &library.known.axes);
+    let (ring, radius) = ring_of_all(library, targets, 2 * POINTS[1]);
     let fill: Vec<DVec3> = targets.iter().flat_map(|t| t.fill.iter().copied()).collect();
     let firsts = found.iter().flat_map(|list| list.iter().take(COMMON.0).copied());
     let starts = distinct(firsts, &fill, 0.25 * SAME * radius, KEPT);
@@ -103,15 +101,20 @@ pub fn common(
     Ok(best.filter(|b| b.0 < COMMON.1 * edge).map(|b| b.1))
 }
 
+/// The rings of all windows, of about so many points at most, and the greatest radius.
+fn ring_of_all(library: &Library, targets: &[Target<'_>], most: usize) -> (Vec<RingPoint>, f64) {
+    let all: Vec<RingPoint> = targets.iter().flat_map(|t| t.ring.iter().copied()).collect();
+    let radius = targets.iter().map(|t| t.radius).fold(0.0, f64::max);
+    (thin_ring(&all, most, &library.known.axes), radius)
+}
+
 /// The transform given by hand, improved on the rings of all windows if that is wished for.
 pub fn placed(library: &Library, placement: &Placement, targets: &[Target<'_>]) -> Rigid {
     let Placement { transform, refined } = *placement;
     if !refined {
         return transform;
     }
-    let all: Vec<RingPoint> = targets.iter().flat_map(|t| t.ring.iter().copied()).collect();
-    let ring = thin_ring(&all, POINTS[1] * targets.len(), &library.known.axes);
-    let radius = targets.iter().map(|t| t.radius).fold(0.0, f64::max);
+    let (ring, radius) = ring_of_all(library, targets, POINTS[1] * targets.len());
     // What is of another size is seldom so exactly.
     let with_scale = (scale_of(&transform) - 1.0).abs() > 1e-6;
     refine(library.source(), &ring, &transform, with_scale, REACH * radius)

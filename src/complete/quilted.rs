@@ -9,6 +9,7 @@ use crate::result::{Origin, Seam, SourceReport};
 use crate::synthesis::appearance::TRUSTED;
 use crate::synthesis::domain::Domain;
 use crate::synthesis::fit::carry_in;
+use crate::synthesis::join::beside;
 use crate::synthesis::project::Place;
 use crate::synthesis::quilt::{tone, Pieces, Quilt};
 use crate::synthesis::quilt_cut::{cut, lay, Over};
@@ -125,7 +126,6 @@ fn tell(story: &mut Story, domain: &Domain, source: &Source, quilt: &Quilt, over
         reports.push(SourceReport { transform, error, weight, vertices: 0, coloured: 0 });
     }
     let mut colours = Vec::new();
-    let mut beside = Vec::new();
     for (i, v) in domain.fill.clone().enumerate() {
         let label = quilt.labels[i];
         let Some(at) = &over[label][v] else {
@@ -136,14 +136,12 @@ fn tell(story: &mut Story, domain: &Domain, source: &Source, quilt: &Quilt, over
         reports[source as usize - first].coloured += 1;
         let barycentric = at.barycentric;
         colours.push(Origin { face, barycentric, source, confidence: CONFIDENCE });
-        let other = |&w: &usize| domain.is_known(w) || quilt.labels[w - domain.fill.start] != label;
-        let around = domain.laplacian.row(v).map(|(w, _)| w).filter(other);
-        beside.extend(around.map(|w| (w, label)));
     }
-    beside.sort_unstable();
-    beside.dedup();
     story.colours = colours;
-    story.seams.extend(beside.into_iter().filter_map(|(w, label)| {
+    let laid = |(&label, v): (&usize, usize)| over[label][v].is_some().then_some(label);
+    let labels: Vec<Option<usize>> =
+        quilt.labels.iter().zip(domain.fill.clone()).map(laid).collect();
+    story.seams.extend(beside(domain, &labels).into_iter().filter_map(|(w, label)| {
         let at = over[label][w].as_ref()?;
         let (face, barycentric) = (face_of(at), at.barycentric);
         Some(Seam { vertex: w as u32, source: number(label), face, barycentric })

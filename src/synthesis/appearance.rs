@@ -20,6 +20,7 @@
 //! - A vertex without a source has no g and no s: there the values are harmonic.
 
 use super::factor::Symmetric;
+use super::join::MOST_GAIN;
 use crate::mesh::FaceView;
 use crate::options::{Appearance, Exemplar};
 use crate::result::{Completion, Seam, NONE};
@@ -40,9 +41,6 @@ pub const TRUSTED: (f64, f64) = (0.5, 0.8);
 const UNSEEN: f64 = 0.03;
 /// Weight of an edge to a rim vertex that values do not go on from: only where no other says anything is it heard.
 const LOOSE: f64 = 1e-6;
-/// Steps of copies that can only look right are made larger by this factor at most, as detail of shape is
-/// ([`super::join`]).
-const MOST_GAIN: f64 = 1.5;
 /// Fewer vertices of the ring than this say nothing.
 const LEAST: usize = 12;
 
@@ -290,7 +288,7 @@ impl<'a> Guide<'a> {
     }
 
     /// How many times larger the steps along the rim are than those of copies that the ring does not judge, by hole
-    /// and channel. Such copies are to look right, and are blander than the rim: smooth places differ least
+    /// and channel; as with detail of shape at most [`MOST_GAIN`]. Such copies are to look right, and are blander than the rim: smooth places differ least
     /// from what is half known, and where copies meet their steps cancel out.
     fn lost(&self, edges: &[Edge], corrections: &[Vec<f64>]) -> BTreeMap<u32, Vec<f64>> {
         let (input, channels) = (self.completion.input_vertex_count as u32, self.known.channels());

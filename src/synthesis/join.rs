@@ -19,7 +19,7 @@ use super::view::View;
 const SPLIT: f64 = 0.11;
 
 /// Detail that the solve weakens is laid on by this factor at most: the mane of a lion takes 1.3.
-const MOST_GAIN: f64 = 1.5;
+pub const MOST_GAIN: f64 = 1.5;
 
 /// Vertices of a ring that are reported, at most about.
 pub const SEEN: usize = 500;
@@ -132,6 +132,21 @@ pub fn matrix(
     Symmetric::from_columns(columns)
 }
 
+/// The vertices beside those of each label that have another or are the rim's, with it; sorted.
+pub fn beside<L: Copy + Ord>(domain: &Domain, labels: &[Option<L>]) -> Vec<(usize, L)> {
+    let first = domain.fill.start;
+    let mut found = Vec::new();
+    for v in domain.fill.clone() {
+        let Some(label) = labels[v - first] else { continue };
+        let around = domain.laplacian.row(v).map(|(w, _)| w);
+        let other = |&w: &usize| domain.is_known(w) || labels[w - first] != Some(label);
+        found.extend(around.filter(other).map(|w| (w, label)));
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
 /// Where copies lie beyond their borders: at the vertices beside those they gave, the rim's and other
 /// copies'. Vertex of the domain, copy, place; sorted.
 pub fn places_beside<'a>(
@@ -139,16 +154,7 @@ pub fn places_beside<'a>(
     views: &'a [View<'_>],
     labels: &[Option<(usize, usize)>],
 ) -> impl Iterator<Item = (u32, (usize, usize), Place)> + 'a {
-    let first = domain.fill.start;
-    let mut wanted = Vec::new();
-    for v in domain.fill.clone() {
-        let Some(label) = labels[v - first] else { continue };
-        let beside = domain.laplacian.row(v).map(|(w, _)| w);
-        let other = |&w: &usize| domain.is_known(w) || labels[w - first] != Some(label);
-        wanted.extend(beside.filter(other).map(|w| (w, label)));
-    }
-    wanted.sort_unstable();
-    wanted.dedup();
+    let wanted = beside(domain, labels);
     // Window vertex of each vertex of the domain.
     let own: Vec<Vec<u32>> = views
         .iter()

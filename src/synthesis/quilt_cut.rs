@@ -10,14 +10,16 @@ use super::project::Place;
 use super::quilt::Quilt;
 use crate::error::Result;
 use crate::matching::paint::squared_difference;
+use crate::matching::rigid::Rigid;
 use crate::matching::source::Source;
+use glam::DVec3;
 
 /// A piece over the rim's and the fill's vertices: where on the source; `None` beyond its reach.
 pub type Over = Vec<Option<Place>>;
 
 /// Lays the pieces over a domain, as far as they reach (`radius`, in mesh units).
 pub fn lay(domain: &Domain, source: &Source, quilt: &Quilt, radius: f64) -> Vec<Over> {
-    let one = |(piece, centre): &(crate::matching::rigid::Rigid, glam::DVec3)| {
+    let one = |(piece, centre): &(Rigid, DVec3)| {
         let back = piece.inverse();
         let place = |v: usize| {
             let p = Some(domain.sheet.positions[v]).filter(|p| p.distance(*centre) <= radius)?;
