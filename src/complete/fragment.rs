@@ -17,6 +17,7 @@ use crate::mesh::MeshView;
 use crate::progress::Monitor;
 use crate::result::{Origin, SourceReport, NONE};
 use crate::synthesis::domain::depth;
+use crate::synthesis::evenly::spread_points;
 use crate::synthesis::fragments::{Candidates, Filled, Filling, Pasted};
 use crate::synthesis::hierarchy::{radius_in_edges, scales, MOST};
 use crate::synthesis::sampling::take_points;
@@ -38,7 +39,7 @@ pub struct Completed {
 pub struct Asked<'a> {
     /// All boundary vertices of the mesh.
     pub rims: &'a [u32],
-    /// Whether its vertices are a cloud's points: the copies' own are then put in.
+    /// Whether its vertices are a cloud's points: the new ones are then spread evenly.
     pub of_points: bool,
     /// Whether mirrored copies may be made.
     pub mirrored: bool,
@@ -108,13 +109,17 @@ pub fn complete_holes(
             patch.positions[rim..].copy_from_slice(&positions[rim..]);
             if of_points && patches.is_empty() {
                 let taken = take_points(&patch, &copies, &pasted, source, init.taken);
-                patches.extend(taken.map(|(patch, copies)| tell(patch, &copies, &pasted, source)));
+                let (patch, copies) = match taken {
+                    Some(taken) => taken,
+                    None => spread_points(&patch, &copies, source, init.taken, &check)?,
+                };
+                patches.push(tell(patch, &copies, &pasted, source));
             }
             patches.push(tell(patch, &copies, &pasted, source));
         }
-        Completed { patches }
+        Ok(Completed { patches })
     };
-    Ok(results.into_iter().zip(initial).map(told).collect())
+    results.into_iter().zip(initial).map(told).collect()
 }
 
 /// Part of the time that making the scales takes, measured on holes of 400 vertices in 40,000.

@@ -2,6 +2,7 @@
 
 pub mod blocks;
 pub mod envelope;
+pub mod even;
 pub mod fairing;
 pub mod outline;
 pub mod patch;

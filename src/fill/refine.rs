@@ -166,7 +166,7 @@ fn split_lone(patch: &mut Patch) -> bool {
 }
 
 /// Length of an edge in wanted ones.
-fn stretch(patch: &Patch, t: u32, k: usize) -> f64 {
+pub fn stretch(patch: &Patch, t: u32, k: usize) -> f64 {
     let tri = patch.triangles[t as usize];
     let (a, b) = (tri[k], tri[next(k)]);
     patch.p(a).distance(patch.p(b)) / wanted(patch, a, b)

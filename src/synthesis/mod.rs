@@ -7,6 +7,7 @@ pub mod coherence_error;
 pub mod constraints;
 pub mod describe;
 pub mod domain;
+pub mod evenly;
 pub mod factor;
 pub mod field;
 pub mod fit;

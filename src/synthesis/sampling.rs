@@ -23,13 +23,19 @@ const APART: f64 = 0.5;
 const FEWEST: usize = 12;
 /// Steps of a fit.
 const STEPS: usize = 12;
+/// A copy goes on with a point around it that one of its own is so near to, in spacings. By chance it does
+/// with some 0.22 (π / 16 square spacings, 2 / √3 points in each).
+const ON: f64 = 0.25;
+/// Copied points are taken if the copies go on with this part of the points around them: half as many
+/// again as by chance. Scans: `docs/fragment.md`.
+const ORDERED: f64 = 0.33;
 /// Spacings around a copy in which points say how its own lie.
 const AROUND: f64 = 4.0;
 /// Passes of collapses and flips.
 const PASSES: usize = 4;
 
-/// A patch whose vertices are points of the copies, and the copy of each; `None` if there is no tree
-/// to be had. `copies`: of the patch's vertices, into `pasted`.
+/// A patch whose vertices are points of the copies, and the copy of each; `None` if these do not go on with
+/// the points around them. `copies`: of the patch's vertices, into `pasted`.
 pub fn take_points(
     patch: &Patch,
     copies: &[Option<u32>],
@@ -92,6 +98,7 @@ fn points_of(
     }
     let all = PointTree::of_all(&patch.positions, &|| Ok(())).ok()?;
     let mut found: Vec<(DVec3, u32)> = Vec::new();
+    let (mut on, mut around) = (0, 0);
     for (&c, members) in &members {
         let at = |&v: &u32| patch.positions[v as usize];
         let centre = members.iter().map(at).sum::<DVec3>() / members.len() as f64;
@@ -100,10 +107,17 @@ fn points_of(
         let reach = members.iter().map(|v| at(v).distance(centre)).fold(0.0, f64::max);
         let known = source.points.within(centre, reach + AROUND * size);
         let mut fixed: Vec<DVec3> = known.iter().map(|&v| source.positions[v as usize]).collect();
+        let known = fixed.len();
         let near = |p: &&(DVec3, u32)| p.0.distance(centre) < reach + AROUND * size;
         fixed.extend(found.iter().filter(near).map(|p| p.0));
         let transform = lay(pasted[c as usize].transform, &fixed, source, size);
         let back = transform.inverse();
+        let goes_on = |q: &&DVec3| {
+            let nearest = source.points.nearest(back.point(**q));
+            nearest.is_some_and(|(_, d2)| d2.sqrt() < ON * size)
+        };
+        on += fixed[..known].iter().filter(goes_on).count();
+        around += known;
         let mut ids: Vec<u32> =
             members.iter().flat_map(|v| source.points.within(back.point(at(v)), size)).collect();
         ids.sort_unstable();
@@ -117,7 +131,7 @@ fn points_of(
             }
         }
     }
-    Some(found)
+    (on as f64 >= ORDERED * around as f64).then_some(found)
 }
 
 /// A transform changed a little so that the source's points lie where points are.
