@@ -160,8 +160,8 @@ fn search_scales(
                 let whole = aligned.after(&scaling(scale));
                 match (range[0]..=range[1]).contains(&scale_of(&whole)) {
                     true => {
-                        let cost =
-                            bland * misfit(&source, &rings[w], &aligned, radius, worth(&source));
+                        let cost = bland
+                            * misfit(&source, &rings[w], &aligned, [radius, worth(&source)], None);
                         Candidate { transform: whole, bland, cost }
                     }
                     false => Candidate { transform: transform.after(&scaling(scale)), bland, cost },
