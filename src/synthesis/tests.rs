@@ -210,7 +210,7 @@ fn nudged(angle: f64, by: DVec3) -> Rigid {
 }
 
 fn fitted(d: &Domain, copies: &[Copy]) -> Fitted {
-    fit(d, copies, false, 1, &|_| Ok(())).unwrap().unwrap()
+    fit(d, copies, (false, None), 1, &|_| Ok(())).unwrap().unwrap()
 }
 
 #[test]
@@ -329,7 +329,7 @@ fn one_window_is_the_whole_domain() {
 }
 
 fn seen<'a>(window: &'a Window, source: &Source, by: &[Rigid]) -> Option<View<'a>> {
-    look(window, source, by, 0.0, 1, &|_| Ok(())).unwrap()
+    look(window, source, by, (0.0, None), 1, &|_| Ok(())).unwrap()
 }
 
 /// A flat fill is lifted onto the hills by the copy that shows them, the wrong ones notwithstanding.
@@ -365,7 +365,7 @@ fn nothing_to_look_at_is_no_view() {
     assert!(seen(&window, &source, &[]).is_none());
     assert!(seen(&window, &source, &[nudged(0.0, DVec3::X * 9.0)]).is_none());
     let stop = |_| Err(Error::Cancelled);
-    let stopped = look(&window, &source, &[Rigid::IDENTITY], 0.0, 1, &stop);
+    let stopped = look(&window, &source, &[Rigid::IDENTITY], (0.0, None), 1, &stop);
     assert_eq!(stopped.err(), Some(Error::Cancelled));
 }
 
