@@ -76,12 +76,11 @@ fn tried(before: Option<Chosen>) -> Vec<usize> {
     (0..STIFFNESSES.len()).filter(near).collect()
 }
 
-/// Fits all copies with one stiffness. `alone`: they are of the one place that was looked at. `before`: what was chosen
-/// in an earlier look. `Ok(None)` if a system cannot be factored.
+/// Fits all copies with one stiffness. `before`: what was chosen in an earlier look. `Ok(None)` if a system cannot be factored.
 pub fn fit(
     domain: &Domain,
     copies: &[Copy],
-    (alone, before): (bool, Option<Chosen>),
+    before: Option<Chosen>,
     threads: usize,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<Fitted>> {
@@ -91,11 +90,6 @@ pub fn fit(
     let mut weight = vec![0.0; n];
     domain.ring.iter().for_each(|&v| weight[v] = domain.laplacian.mass[v]);
     check(0.0)?;
-    // A window whose border is so ragged that nothing speaks of some vertex: several places that each serve a part
-    // end in spikes there (cracks: five times as far from the truth as the smooth fill). One that serves all does not.
-    if !alone && energy.is_loose(&weight) {
-        return Ok(None);
-    }
     // Warms up the ordering, which all workers then share.
     if domain.ring.is_empty() || energy.factor(unit * STIFFNESSES[3], &weight).is_none() {
         return Ok(None);

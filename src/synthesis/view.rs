@@ -93,9 +93,8 @@ pub fn look<'a>(
     if copies.is_empty() || domain.fill.is_empty() {
         return Ok(None);
     }
-    let alone = candidates.len() == 1;
     let late = |part: f64| check(0.4 + 0.3 * part);
-    let Some(mut fitted) = fit(domain, &copies, (alone, before), threads, &late)? else {
+    let Some(mut fitted) = fit(domain, &copies, before, threads, &late)? else {
         return Ok(None);
     };
     let scores = score(domain, &copies, &fitted, roughness);
