@@ -345,7 +345,7 @@ fn finish(
     if views.is_empty() {
         return Ok(None);
     }
-    let Some(joined) = join(domain, views) else { return Ok(None) };
+    let Some(joined) = join(domain, views, check)? else { return Ok(None) };
     let before = coherence_error(views, &|_| 0.0, check)?;
     let after = coherence_error(views, &|i| joined.heights[i], check)?;
     let mut patch = initial.clone();
