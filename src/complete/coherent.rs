@@ -10,7 +10,7 @@
 //!   averages of positions (Eq. 5 and 6) lose the detail.
 
 use super::coloured::{lack, take_colours, EMPHASIS};
-use super::guided::{common, rank, transforms, RankedView};
+use super::guided::{common, rank, transforms, Ranked};
 use super::library::Library;
 use super::quilted::quilt_colours;
 use super::smooth::{Fill, Story, Surroundings};
@@ -259,32 +259,30 @@ impl Scope<'_> {
             let part = |part: f64| (i as f64 + part) / windows.len() as f64;
             let at = |p: f64| (self.check)(self.search + (self.first - self.search) * part(p));
             let roughness = self.roughness(&window.domain);
-            let chosen = self.choose(window, all, roughness, &at)?;
-            let transforms = chosen.as_ref().map_or(&all[..], from_ref);
-            if self.guidance.candidate == 0 || chosen.is_some() {
-                views.extend(look(window, source, transforms, roughness, threads, &at)?);
+            let ring = window.domain.ring_points();
+            let target = window.domain.target(&ring);
+            let at_all = |check: &dyn Fn(f64) -> Result<()>| {
+                look(window, source, all, (roughness, None), threads, check)
+            };
+            let Some(place) = self.guidance.candidate.checked_sub(1) else {
+                let view = at_all(&at)?;
+                // Whoever then asks for one of them need not wait for this look.
+                rank(self.library, self.guidance, &target, || {
+                    Ok(Ranked::of(view.as_ref(), &target))
+                })?;
+                views.extend(view);
+                continue;
+            };
+            let ranked = rank(self.library, self.guidance, &target, || {
+                Ok(Ranked::of(at_all(&|_| at(0.0))?.as_ref(), &target))
+            })?;
+            self.candidates.set(self.candidates.get().max(ranked.places.len()));
+            if let Some(one) = ranked.places.get(place) {
+                let told = (roughness, ranked.chosen);
+                views.extend(look(window, source, from_ref(one), told, threads, &at)?);
             }
         }
         Ok(views)
-    }
-
-    /// The one of the transforms that was asked for; `None` if all are, or if it is not there.
-    fn choose(
-        &self,
-        window: &Window,
-        all: &[Rigid],
-        roughness: f64,
-        check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<Option<Rigid>> {
-        let Some(place) = self.guidance.candidate.checked_sub(1) else { return Ok(None) };
-        let ring = window.domain.ring_points();
-        let ranked = rank(self.library, self.guidance, &window.domain.target(&ring), &|| {
-            let source = self.library.source();
-            let view = look(window, source, all, roughness, self.threads, &|_| check(0.0))?;
-            Ok(view.as_ref().map(RankedView::of))
-        })?;
-        self.candidates.set(self.candidates.get().max(ranked.len()));
-        Ok(ranked.get(place).copied())
     }
 
     /// Looks at what a view saw once more, over a surface that was found so. `error`: what the first look
@@ -299,7 +297,7 @@ impl Scope<'_> {
         let Some(window) = one_window(domain) else { return Ok(None) };
         let source = self.library.source();
         let mut transforms: Vec<_> = first.copies.iter().map(|c| c.transform).collect();
-        let roughness = self.roughness(&window.domain);
+        let told = (self.roughness(&window.domain), Some(first.fitted.chosen));
         let stop = |part: f64| (self.check)(self.first + (1.0 - self.first) * part);
         // Those that had the most say are worth more alignments.
         let mut order: Vec<usize> = (0..transforms.len()).collect();
@@ -313,9 +311,7 @@ impl Scope<'_> {
             transforms.extend(realign(known, source, &target, &best, threads, &|| stop(0.0))?);
         }
         let views: Vec<View<'_>> =
-            look(&window, source, &transforms, roughness, self.threads, &stop)?
-                .into_iter()
-                .collect();
+            look(&window, source, &transforms, told, self.threads, &stop)?.into_iter().collect();
         let made = finish(found, source, domain, &views, &|| stop(1.0))?;
         let Some((patch, mut story)) = made else { return Ok(None) };
         // What it was before is what it was before both looks.
@@ -349,7 +345,7 @@ fn finish(
     if views.is_empty() {
         return Ok(None);
     }
-    let Some(joined) = join(domain, views) else { return Ok(None) };
+    let Some(joined) = join(domain, views, check)? else { return Ok(None) };
     let before = coherence_error(views, &|_| 0.0, check)?;
     let after = coherence_error(views, &|i| joined.heights[i], check)?;
     let mut patch = initial.clone();
@@ -361,6 +357,42 @@ fn finish(
     Ok(Some((patch, Story { coherence_error, ..story })))
 }
 
+/// A place that windows copy from.
+struct CopiedPlace {
+    /// Views and their copies that are of it.
+    labels: Vec<(usize, usize)>,
+    /// Of the whole fill.
+    share: f64,
+    /// Mean over the views.
+    error: f64,
+}
+
+/// The places of all views, the most used first; one that serves several windows once.
+fn places_of(views: &[View<'_>]) -> Vec<CopiedPlace> {
+    let fills: f64 = views.iter().map(|v| v.window.domain.fill.len() as f64).sum();
+    let mut all: Vec<CopiedPlace> = Vec::new();
+    for (w, view) in views.iter().enumerate() {
+        for (k, copy) in view.copies.iter().enumerate() {
+            let share = view.shares[k] * view.window.domain.fill.len() as f64 / fills;
+            let (label, error) = ((w, k), view.fitted.error[k]);
+            let same = |of: &&mut CopiedPlace| {
+                let (w, k) = of.labels[0];
+                views[w].copies[k].transform == copy.transform
+            };
+            match all.iter_mut().find(same).filter(|of| of.labels[0].0 != w) {
+                Some(of) => {
+                    of.error += (error - of.error) / (of.labels.len() + 1) as f64;
+                    of.share += share;
+                    of.labels.push(label);
+                }
+                None => all.push(CopiedPlace { labels: vec![label], share, error }),
+            }
+        }
+    }
+    all.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.labels.cmp(&b.labels)));
+    all
+}
+
 /// Where each vertex comes from. `labels`: view and copy of each fill vertex.
 pub fn tell(
     source: &Source,
@@ -368,15 +400,10 @@ pub fn tell(
     views: &[View<'_>],
     labels: &[Option<(usize, usize)>],
 ) -> Story {
-    // The copies of all windows, the most used first.
-    let mut all: Vec<(usize, usize)> =
-        (0..views.len()).flat_map(|w| (0..views[w].copies.len()).map(move |k| (w, k))).collect();
-    let fills: f64 = views.iter().map(|v| v.window.domain.fill.len() as f64).sum();
-    let share = |&(w, k): &(usize, usize)| {
-        views[w].shares[k] * views[w].window.domain.fill.len() as f64 / fills
+    let all = places_of(views);
+    let place = |label: (usize, usize)| {
+        all.iter().position(|of| of.labels.contains(&label)).unwrap_or(0) as u32
     };
-    all.sort_by(|a, b| share(b).total_cmp(&share(a)).then(a.cmp(b)));
-    let place = |label: (usize, usize)| all.iter().position(|&l| l == label).unwrap_or(0) as u32;
     let origin = |(i, label): (usize, &Option<(usize, usize)>)| {
         let found = label.and_then(|(w, k)| Some((views[w].place(i, k)?, (w, k))));
         // A completion is no place to come from.
@@ -414,10 +441,10 @@ pub fn tell(
     let sources = all
         .iter()
         .zip(used)
-        .map(|(l, vertices)| SourceReport {
-            transform: given(l),
-            error: views[l.0].fitted.error[l.1],
-            weight: share(l),
+        .map(|(of, vertices)| SourceReport {
+            transform: given(&of.labels[0]),
+            error: of.error,
+            weight: of.share,
             vertices,
             coloured: 0,
         })

@@ -3,6 +3,7 @@
 //! A tree finds the pairs whose boxes overlap, [`triangles_intersect`] decides each. No tolerance
 //! anywhere: a pair is reported if and only if it intersects at the positions as stored.
 
+pub(crate) mod boxes;
 mod bvh;
 mod parts;
 pub mod predicates;
@@ -11,7 +12,8 @@ mod triangle;
 #[cfg(test)]
 mod tests;
 
-pub use bvh::{closest_point_on_triangle, Aabb, Bvh, ClosestPoint};
+pub use boxes::Aabb;
+pub use bvh::{closest_point_on_triangle, Bvh, ClosestPoint};
 pub use parts::Soup;
 pub use triangle::{triangles_intersect, Triangle};
 

@@ -1,7 +1,8 @@
 //! The exact test of many faces, part by part: a fill of any size is tested with trees that stay in the
 //! cache and take no room.
 
-use super::bvh::{Aabb, Bvh};
+use super::boxes::Aabb;
+use super::bvh::Bvh;
 use super::triangle::{triangles_intersect, Triangle};
 
 /// Height over longest edge at and below which a face counts as having no area.

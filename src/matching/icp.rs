@@ -40,6 +40,18 @@ pub struct Hint {
 impl Hint {
     /// Of a point without earlier steps.
     pub const NOTHING: Self = Self { found: NONE, of: DVec3::INFINITY };
+
+    /// For a search of the nearest vertex to a point that was one of those of an alignment: it is no farther than
+    /// what was found there.
+    fn for_vertex(self, source: &Source, partner: Partner, p: DVec3) -> Self {
+        if self.found == NONE || partner == Partner::Vertex {
+            return Self { of: DVec3::INFINITY, ..self };
+        }
+        let off = |v: &u32| source.positions[*v as usize].distance_squared(p);
+        let corners = source.faces[self.found as usize];
+        let nearest = corners.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        Self { found: nearest.unwrap_or(NONE), ..Self::NOTHING }
+    }
 }
 
 /// A known point of the ring with its normal and its tint (0 without colours).
@@ -59,6 +71,17 @@ pub enum Partner {
 
 /// Improves a transform (source to target) by up to `steps` iterations.
 pub fn align(ring: &[RingPoint], start: Rigid, steps: usize, pairing: &Pairing<'_>) -> Rigid {
+    align_with(ring, start, steps, pairing, &mut vec![Hint::NOTHING; ring.len()])
+}
+
+/// The same, with a hint for each point of the ring, which is left as the last step has it.
+pub fn align_with(
+    ring: &[RingPoint],
+    start: Rigid,
+    steps: usize,
+    pairing: &Pairing<'_>,
+    hints: &mut [Hint],
+) -> Rigid {
     // From target to source: the source's trees do not move.
     let mut back = start.inverse();
     let extent = ring.iter().fold(0.0, |d: f64, (p, ..)| d.max(p.distance(ring[0].0)));
@@ -66,9 +89,8 @@ pub fn align(ring: &[RingPoint], start: Rigid, steps: usize, pairing: &Pairing<'
         Partner::Vertex => ROUGHLY,
         Partner::Surface => STILL,
     };
-    let mut hints = vec![Hint::NOTHING; ring.len()];
     for _ in 0..steps {
-        let step = improve(ring, &back, pairing, &mut hints);
+        let step = improve(ring, &back, pairing, hints);
         let Some(step) = step else { break };
         let turn = (step.linear - DMat3::IDENTITY).to_cols_array();
         let turned = turn.iter().map(|x| x * x).sum::<f64>().sqrt() * extent;
@@ -220,11 +242,11 @@ pub fn find_partner(
     match partner {
         Partner::Vertex => {
             if !nearby {
-                // Where there was none, there is seldom one now: a bound ends that search early.
-                let near = match hint.found == NONE && hint.of.is_finite() {
-                    true => source.points.nearest_within(p, radius),
-                    false => source.points.nearest(p).filter(|n| n.1 <= radius * radius),
-                };
+                let mut most = radius * radius;
+                if hint.found != NONE {
+                    most = most.min(source.positions[hint.found as usize].distance_squared(p));
+                }
+                let near = source.points.nearest_below(p, most);
                 let usable = near.filter(|n| !source.is_boundary(n.0));
                 *hint = Hint { found: usable.map_or(NONE, |n| n.0), of: p };
             }
@@ -261,27 +283,29 @@ pub fn find_partner(
 
 /// How badly an aligned source fits the ring, in mesh units: root mean square distance (each at
 /// most half of `radius`) plus half an edge for each unit of disagreement of the normals. `paint`: what a
-/// difference of 1 in tint is worth, in units of the source.
+/// difference of 1 in tint is worth, in units of the source. `aligned`: what aligning the same ring so left, which
+/// saves time only.
 pub fn misfit(
     source: &Source,
     ring: &[RingPoint],
     transform: &Rigid,
-    radius: f64,
-    paint: f64,
+    [radius, paint]: [f64; 2],
+    aligned: Option<(Partner, &[Hint])>,
 ) -> f64 {
     let back = transform.inverse();
     let (mut square, mut turned) = (0.0, 0.0);
-    for &(p, n, tint) in ring {
+    for (i, &(p, n, tint)) in ring.iter().enumerate() {
         let most = 0.5 * radius;
         let (p, n) = (back.point(p), back.direction(n).normalize());
-        let (gap, cosine, off) =
-            match find_partner(source, p, Partner::Vertex, radius, &mut Hint::NOTHING.clone()) {
-                Some((q, m, other, slope)) => {
-                    let off = (tint - other - slope.dot(p - q)).abs().min(FARTHEST);
-                    ((q - p).dot(m).abs().min(most), n.dot(m), off)
-                }
-                None => (most, 0.0, FARTHEST),
-            };
+        let hint = |(partner, hints): (_, &[Hint])| hints[i].for_vertex(source, partner, p);
+        let mut hint = aligned.map_or(Hint::NOTHING, hint);
+        let (gap, cosine, off) = match find_partner(source, p, Partner::Vertex, radius, &mut hint) {
+            Some((q, m, other, slope)) => {
+                let off = (tint - other - slope.dot(p - q)).abs().min(FARTHEST);
+                ((q - p).dot(m).abs().min(most), n.dot(m), off)
+            }
+            None => (most, 0.0, FARTHEST),
+        };
         square += gap * gap + (paint * off).powi(2);
         turned += 1.0 - cosine;
     }
@@ -334,7 +358,7 @@ mod tests {
             println!("{before:.4} {first:.5} {second:.5} of an edge {edge:.4}");
             assert_eq!(fine.is_mirrored(), mirrored);
             assert!(before > edge && first < 0.2 * edge && second < 0.03 * edge);
-            let [worst, best] = [start, fine].map(|t| misfit(&source, &ring, &t, 0.2, 0.0));
+            let [worst, best] = [start, fine].map(|t| misfit(&source, &ring, &t, [0.2, 0.0], None));
             assert!(best < 0.1 * worst, "{best} {worst}");
         }
     }
@@ -361,6 +385,6 @@ mod tests {
         let start = disturbed(&truth, 0.0, 50.0);
         let found = align(&ring(&truth), start, 5, &on(&source, Partner::Surface, 0.2));
         assert!(off(&found, &start) < 1e-9);
-        assert!(misfit(&source, &ring(&truth), &start, 0.2, 0.0) >= 0.1);
+        assert!(misfit(&source, &ring(&truth), &start, [0.2, 0.0], None) >= 0.1);
     }
 }

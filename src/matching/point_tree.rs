@@ -1,66 +1,30 @@
-//! The nearest of many points.
+//! The nearest of many points: the tree of [`boxes`](crate::intersect::boxes) over them.
+//!
+//! Not `kiddo`, which `points` uses: a search that starts with a bound, as those of the alignment do, and one that
+//! shares its code with the triangles' tree, measurably decide the time of the search for sources.
 
 use crate::error::Result;
+use crate::intersect::boxes::{put_in_order, sort, Later, Node, Sorted, INNER};
 use glam::DVec3;
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use std::num::NonZero;
 
-/// A k-d tree over points that may be few or none; many are cut into pieces with a tree each, as the
-/// build of one cannot be stopped.
+/// A tree over points that may be few or none.
 pub struct PointTree {
-    pieces: Vec<Piece>,
+    nodes: Vec<Node>,
+    /// In the tree's order.
+    points: Vec<DVec3>,
+    numbers: Vec<u32>,
+    /// As they were given.
     ids: Vec<u32>,
-}
-
-struct Piece {
-    low: DVec3,
-    high: DVec3,
-    tree: ImmutableKdTree<f64, 3>,
-    /// Ascending.
-    ids: Vec<u32>,
-}
-
-/// Points of a piece at most: its tree takes some 30 milliseconds.
-const PIECE: usize = 1 << 15;
-
-impl Piece {
-    fn distance2(&self, p: DVec3) -> f64 {
-        p.distance_squared(p.clamp(self.low, self.high))
-    }
-
-    fn nearest(&self, p: DVec3) -> (u32, f64) {
-        let found = self.tree.nearest_one::<SquaredEuclidean>(&p.to_array());
-        (self.ids[found.item as usize], found.distance)
-    }
 }
 
 impl PointTree {
-    /// Over the points whose indices are given.
+    /// Over the points whose indices are given. Asks `check` now and then whether to go on, with the part that is
+    /// done.
     pub fn new(points: &[DVec3], ids: Vec<u32>, check: &dyn Fn(f64) -> Result<()>) -> Result<Self> {
-        let (mut pieces, mut done) = (Vec::new(), 0);
-        let mut whole = vec![ids.clone()];
-        while let Some(mut part) = whole.pop() {
-            check(done as f64 / ids.len().max(1) as f64)?;
-            let at = || part.iter().map(|&i| points[i as usize]);
-            let (low, high) =
-                at().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
-            if part.len() > PIECE {
-                let axis = (high - low).max_position();
-                let key = |i: &u32| points[*i as usize][axis];
-                let mid = part.len() / 2;
-                part.select_nth_unstable_by(mid, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-                whole.push(part.split_off(mid));
-                whole.push(part);
-            } else if !part.is_empty() {
-                part.sort_unstable();
-                let entries: Vec<[f64; 3]> =
-                    part.iter().map(|&i| points[i as usize].to_array()).collect();
-                let tree = ImmutableKdTree::new_from_slice(&entries);
-                done += part.len();
-                pieces.push(Piece { low, high, tree, ids: part });
-            }
-        }
-        Ok(Self { pieces, ids })
+        let mut sorted = sort(ids.iter().map(|&i| (i, points[i as usize])), check)?;
+        put_in_order(&mut sorted);
+        let Sorted { nodes, numbers, things, .. } = sorted;
+        Ok(Self { nodes, points: things, numbers, ids })
     }
 
     /// Over all points.
@@ -68,42 +32,37 @@ impl PointTree {
         Self::new(points, (0..points.len() as u32).collect(), &|_| check())
     }
 
-    /// The nearest point's index and its squared distance.
+    /// The nearest point's index and its squared distance; of equal ones the smallest index.
     pub fn nearest(&self, p: DVec3) -> Option<(u32, f64)> {
-        if let [piece] = &self.pieces[..] {
-            return Some(piece.nearest(p));
-        }
-        // The piece that the point is in or next to, then those that may hold a nearer one.
-        let off = |k: &usize| self.pieces[*k].distance2(p);
-        let first = (0..self.pieces.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        let mut best = self.pieces[first].nearest(p);
-        for k in (0..self.pieces.len()).filter(|&k| k != first) {
-            if off(&k) < best.1 {
-                let other = self.pieces[k].nearest(p);
-                if other.1 < best.1 {
-                    best = other;
-                }
-            }
-        }
-        Some(best)
+        self.nearest_below(p, f64::INFINITY)
     }
 
     /// The same if it lies within a radius: much faster where there is none.
     pub fn nearest_within(&self, p: DVec3, radius: f64) -> Option<(u32, f64)> {
-        let (one, mut best) = (NonZero::<usize>::MIN, None::<(u32, f64)>);
-        for piece in &self.pieces {
-            let limit = best.map_or(radius * radius, |b| b.1);
-            if piece.distance2(p) <= limit {
-                let at = p.to_array();
-                let found = piece.tree.nearest_n_within::<SquaredEuclidean>(&at, limit, one, true);
-                let found = found.first().filter(|f| best.is_none_or(|b| f.distance < b.1));
-                best = found.map(|f| (piece.ids[f.item as usize], f.distance)).or(best);
+        self.nearest_below(p, radius * radius)
+    }
+
+    /// The same with the square of the radius; one that is known, from a point nearby, saves most of the search.
+    pub fn nearest_below(&self, p: DVec3, square: f64) -> Option<(u32, f64)> {
+        let (mut best, mut limit) = (None::<(u32, f64)>, square);
+        let mut later = Later::new();
+        while let Some((first, count)) = later.next(limit) {
+            if count == INNER {
+                let Some(node) = self.nodes.get(first as usize) else { break };
+                later.add(node, node.distances_squared(p), limit);
+                continue;
+            }
+            for k in first as usize..(first + count) as usize {
+                let (d, id) = (self.points[k].distance_squared(p), self.numbers[k]);
+                if d < limit || d == limit && best.is_none_or(|b| id < b.0) {
+                    (best, limit) = (Some((id, d)), d);
+                }
             }
         }
         best
     }
 
-    /// The indices of the points, in ascending order.
+    /// The indices of the points, as they were given.
     pub fn ids(&self) -> &[u32] {
         &self.ids
     }
@@ -112,9 +71,16 @@ impl PointTree {
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<u32> {
         let square = radius * radius;
         let mut found = Vec::new();
-        for piece in self.pieces.iter().filter(|piece| piece.distance2(p) <= square) {
-            let near = piece.tree.within_unsorted::<SquaredEuclidean>(&p.to_array(), square);
-            found.extend(near.iter().map(|n| piece.ids[n.item as usize]));
+        let mut later = Later::new();
+        while let Some((first, count)) = later.next(square) {
+            if count == INNER {
+                let Some(node) = self.nodes.get(first as usize) else { break };
+                later.add(node, node.distances_squared(p), square);
+                continue;
+            }
+            let leaf = first as usize..(first + count) as usize;
+            let near = leaf.filter(|&k| self.points[k].distance_squared(p) <= square);
+            found.extend(near.map(|k| self.numbers[k]));
         }
         found.sort_unstable();
         found
@@ -125,14 +91,13 @@ impl PointTree {
 mod tests {
     use super::*;
 
-    /// More points than a piece holds: what is found is what a look at all of them finds.
+    /// What is found is what a look at all of them finds.
     #[test]
-    fn a_tree_in_pieces_finds_the_nearest_of_all() {
+    fn a_large_tree_finds_the_nearest_of_all() {
         let noise = |k: usize, s: usize| ((k * s) % 100_003) as f64 / 100_003.0;
         let at = |k: usize| DVec3::new(noise(k, 7919), noise(k, 104_729), noise(k, 31_337));
-        let points: Vec<DVec3> = (0..3 * PIECE + 5).map(at).collect();
+        let points: Vec<DVec3> = (0..100_005).map(at).collect();
         let tree = PointTree::of_all(&points, &|| Ok(())).unwrap();
-        assert!(tree.pieces.len() > 3);
         for k in 0..40 {
             let p = 1.4 * at(k * 997 + 1) - DVec3::splat(0.2);
             let off = |i: &usize| points[*i].distance_squared(p);

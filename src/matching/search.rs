@@ -1,7 +1,7 @@
 //! Candidates for one hole: places on the source that look like its ring, aligned.
 
 use super::height_map::{Frame, HeightMap};
-use super::icp::{align, misfit, worth, Pairing, Partner, RingPoint, KEEP};
+use super::icp::{align, align_with, misfit, worth, Hint, Pairing, Partner, RingPoint, KEEP};
 use super::maps::{Kept, Maps, REACH};
 use super::rigid::Rigid;
 use super::ring_pattern::{keep_different, Candidate, RingPattern};
@@ -165,8 +165,10 @@ fn align_all(
     let improve = |c: &Candidate, by: &[RingPoint], judge: &[RingPoint], partner, steps, keep| {
         let Candidate { transform, bland, .. } = *c;
         let pairing = Pairing { source, partner, radius: 0.5 * radius, keep, paint };
-        let transform = align(by, transform, steps, &pairing);
-        let cost = bland * misfit(source, judge, &transform, radius, paint);
+        let mut hints = vec![Hint::NOTHING; by.len()];
+        let transform = align_with(by, transform, steps, &pairing, &mut hints);
+        let aligned = std::ptr::eq(by, judge).then_some((partner, &hints[..]));
+        let cost = bland * misfit(source, judge, &transform, [radius, paint], aligned);
         Candidate { transform, cost, bland }
     };
     let image = |&transform: &Rigid| Candidate { transform, cost: f64::INFINITY, bland: 1.0 };

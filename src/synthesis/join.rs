@@ -11,8 +11,10 @@
 
 use super::domain::Domain;
 use super::factor::Symmetric;
+use super::overlap::{blend, choose};
 use super::project::Place;
 use super::view::View;
+use crate::error::Result;
 
 /// ℓ in hole radii: more gives more detail and more distance; between 0.1 and 0.14 measured on seventeen
 /// holes.
@@ -33,38 +35,32 @@ pub struct Joined {
 }
 
 /// Joins what all windows saw; `None` if the system cannot be factored.
-pub fn join(domain: &Domain, views: &[View<'_>]) -> Option<Joined> {
+pub fn join(
+    domain: &Domain,
+    views: &[View<'_>],
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Option<Joined>> {
     let n = domain.fill.len();
     let first = domain.fill.start;
-    let (mut base, mut labels) = (vec![0.0; n], vec![None; n]);
-    for i in 0..n {
-        let (mut sum, mut best) = (0.0, 0.0);
-        for (w, view) in views.iter().enumerate() {
-            let Some(own) = view.index(i) else { continue };
-            let weight = view.window.weight[i];
-            base[i] += weight * view.base[own];
-            sum += weight;
-            if weight > best {
-                best = weight;
-                labels[i] = Some((w, view.labels[own]));
-            }
-        }
-        if sum > 0.0 {
-            base[i] /= sum;
-        }
-    }
-    // Height of a copy at a vertex of the domain; where its window ends, that of the base.
+    let base = blend(n, views);
+    let labels = choose(domain, views, &base, check)?;
+    // Height of a copy at a vertex of the domain; nothing where its window ends.
     let height = |label: Option<(usize, usize)>, v: usize| match (label, domain.is_known(v)) {
-        (_, true) | (None, _) => 0.0,
-        (Some((w, k)), false) => match views[w].index(v - first) {
-            Some(own) => views[w].fitted.heights[k][views[w].window.domain.fill.start + own],
-            None => base[v - first],
-        },
+        (_, true) | (None, _) => Some(0.0),
+        (Some((w, k)), false) => {
+            let own = views[w].index(v - first)?;
+            Some(views[w].fitted.heights[k][views[w].window.domain.fill.start + own])
+        }
+    };
+    // What it says at v beside i; it goes on level where its window ends.
+    let copied = |i: usize, v: usize| {
+        let label = labels[i - first];
+        height(label, v).or_else(|| height(label, i)).unwrap_or(0.0)
     };
     let l = &domain.laplacian;
     let ratio = (domain.edge / (SPLIT * domain.radius)).powi(2) / 4.0;
     let mut matrix = matrix(domain.fill.clone(), ratio, &|i| l.row(i).map(|(k, _)| k).collect());
-    let factor = matrix.factor(1.0, &vec![0.0; n])?;
+    let Some(factor) = matrix.factor(1.0, &vec![0.0; n]) else { return Ok(None) };
     // Degree · height − those around it.
     let detail = |i: usize, height: &dyn Fn(usize) -> f64| {
         l.row(i).fold(0.0, |sum, (k, _)| sum + height(i) - height(k))
@@ -75,7 +71,7 @@ pub fn join(domain: &Domain, views: &[View<'_>]) -> Option<Joined> {
             let degree = l.row(i).count() as f64;
             let label = labels[i - first];
             let plausible = label.map_or(0.0, |(w, _)| views[w].plausible);
-            let wanted = detail(i, &|k| height(label, k)) * (1.0 + plausible * (gain - 1.0));
+            let wanted = detail(i, &|k| copied(i, k)) * (1.0 + plausible * (gain - 1.0));
             let row = || std::iter::once((i, degree)).chain(l.row(i).map(|(k, _)| (k, -1.0)));
             for (a, x) in row().filter(|&(a, _)| domain.fill.contains(&a)) {
                 rhs[a - first] += x * wanted / degree;
@@ -96,17 +92,17 @@ pub fn join(domain: &Domain, views: &[View<'_>]) -> Option<Joined> {
                 |k: usize| domain.fill.contains(&k) && labels[k - first] == labels[i - first];
             labels[i - first].is_some() && l.row(i).all(|(k, _)| same(k))
         };
-        let [mut copied, mut kept] = [0.0; 2];
+        let [mut wanted, mut kept] = [0.0; 2];
         for i in domain.fill.clone().filter(inside) {
-            copied += detail(i, &|k| height(labels[i - first], k)).powi(2);
+            wanted += detail(i, &|k| copied(i, k)).powi(2);
             kept += detail(i, &|k| heights[k - first]).powi(2);
         }
-        let gain = f64::sqrt(copied / kept).clamp(1.0, MOST_GAIN);
+        let gain = f64::sqrt(wanted / kept).clamp(1.0, MOST_GAIN);
         if gain > 1.0 {
             heights = solve(gain);
         }
     }
-    Some(Joined { heights, labels })
+    Ok(Some(Joined { heights, labels }))
 }
 
 /// Σ_fill 1/deg L_uᵀ L_u + deg `ratio`² over the vertices of a fill, by the neighbours of each.
