@@ -204,8 +204,8 @@ pub struct Cost {
 
 /// Part of the two looks that the first takes: the second has more copies to look at.
 const FIRST_LOOK: f64 = 0.35;
-/// Part of a long hole's time, all its windows', that the search takes.
-const WINDOWS_SEARCH: f64 = 0.9;
+/// Part of a long hole's time, all its windows', that the search takes: 0.35 for wide bands to 0.85 for cracks.
+const WINDOWS_SEARCH: f64 = 0.55;
 
 impl Cost {
     /// Of a hole with so many new vertices; `area`: the object's, in squares of the hole's radius.
