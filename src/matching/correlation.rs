@@ -49,12 +49,12 @@ pub(super) struct SoFar {
     /// Of the target's moments where the source knows nothing.
     missing: Option<Box<[[f32; TURNS]; MOMENTS]>>,
     /// Of (tint of the target − of the source)².
-    pub(super) tints: [f32; ANGLES],
+    pub(super) tints: [f32; TURNS],
 }
 
 impl Default for SoFar {
     fn default() -> Self {
-        Self { with_height: [[0.0; TURNS]; 5], missing: None, tints: [0.0; ANGLES] }
+        Self { with_height: [[0.0; TURNS]; 5], missing: None, tints: [0.0; TURNS] }
     }
 }
 
@@ -73,13 +73,13 @@ impl SoFar {
         pulp::Arch::new().dispatch(Missing { sums: missing, bins: row, unknown: &unknown });
     }
 
-    pub(super) fn add_tints(&mut self, bins: &[Bin], tints: &[f32], [tint, known]: &[Twice; 2]) {
-        for (b, &t) in bins.iter().zip(tints) {
-            let (row, seen) = (&tint[b.r][b.a..][..ANGLES], &known[b.r][b.a..][..ANGLES]);
-            for (s, (x, k)) in self.tints.iter_mut().zip(row.iter().zip(seen)) {
-                *s += k * (t - x) * (t - x);
-            }
-        }
+    /// Adds a row's squared differences from the source's tints at each turn, where it knows something.
+    pub(super) fn add_tints(&mut self, row: &[Bin], tints: &[f32], of_source: &Twice, known: u64) {
+        let Some(first) = row.first() else { return };
+        let known =
+            (known != WHOLE).then(|| doubled(&std::array::from_fn(|a| (known >> a & 1) as f32)));
+        let (sums, source) = (&mut self.tints, &of_source[first.r]);
+        pulp::Arch::new().dispatch(Tints { sums, bins: row, tints, source, known: known.as_ref() });
     }
 
     /// At one turn, from those over the target's bins.
@@ -137,16 +137,13 @@ pub(super) type Twice = [[f32; ANGLES + TURNS]; RADII];
 pub(super) struct Doubled {
     pub(super) height: Twice,
     pub(super) known: [u64; RADII],
-    /// The tints, if there are colours, and 1 where they are known.
-    pub(super) tint: Option<Box<[Twice; 2]>>,
+    /// The tints, if there are colours.
+    pub(super) tint: Option<Box<Twice>>,
 }
 
 impl Doubled {
     pub(super) fn new(map: &HeightMap) -> Self {
-        let tint = |t: &[Row; RADII]| {
-            let seen = map.known.map(|bits| std::array::from_fn(|a| (bits >> a & 1) as f32));
-            Box::new([twice(t), twice(&seen)])
-        };
+        let tint = |t: &[Row; RADII]| Box::new(twice(t));
         Self { tint: map.tint.as_deref().map(tint), height: twice(&map.height), known: map.known }
     }
 }
@@ -218,6 +215,36 @@ impl WithSimd for Missing<'_> {
                 }
             }
             (0..MOMENTS).for_each(|m| self.sums[m][turn..][..LANES].copy_from_slice(&sums[m]));
+        }
+    }
+}
+
+/// The work of [`SoFar::add_tints`]. `known`: 1 where the source knows something; `None`: everywhere.
+struct Tints<'a> {
+    sums: &'a mut [f32; TURNS],
+    bins: &'a [Bin],
+    tints: &'a [f32],
+    source: &'a [f32; ANGLES + TURNS],
+    known: Option<&'a [f32; ANGLES + TURNS]>,
+}
+
+impl WithSimd for Tints<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for turn in (0..TURNS).step_by(LANES) {
+            let mut sums = lanes(self.sums, turn);
+            for (b, &t) in self.bins.iter().zip(self.tints) {
+                let mut off = lanes(self.source, b.a + turn).map(|x| t - x);
+                let square = off;
+                if let Some(known) = self.known {
+                    let known = lanes(known, b.a + turn);
+                    (0..LANES).for_each(|l| off[l] *= known[l]);
+                }
+                (0..LANES).for_each(|l| sums[l] += off[l] * square[l]);
+            }
+            self.sums[turn..turn + LANES].copy_from_slice(&sums);
         }
     }
 }

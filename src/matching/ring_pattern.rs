@@ -179,9 +179,9 @@ impl RingPattern {
                 for r in rows..width.rows {
                     let row = &bins[self.rows[r]..self.rows[r + 1]];
                     so_far.add_missing(row, doubled.known[r]);
-                }
-                if let Some(tint) = &doubled.tint {
-                    so_far.add_tints(more, &self.tints[first..], tint);
+                    if let Some(tint) = &doubled.tint {
+                        so_far.add_tints(row, &self.tints[self.rows[r]..], tint, doubled.known[r]);
+                    }
                 }
                 (rows, first) = (width.rows, width.bins);
                 if width.is_useful() {
