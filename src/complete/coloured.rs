@@ -9,6 +9,7 @@ use super::smooth::Story;
 use crate::error::Result;
 use crate::matching::paint::Paint;
 use crate::matching::rigid::Rigid;
+use crate::matching::search::{align_closely, Target};
 use crate::matching::source::Source;
 use crate::mesh::neighbourhood::Neighbourhood;
 use crate::parallel;
@@ -63,12 +64,18 @@ pub fn lack(story: &Story, near: &Neighbourhood, library: &Library) -> Option<f6
     (rho > TRUSTED.0).then_some(rho)
 }
 
-/// The same of one place over a domain. `ranges`: of the source's colours.
-fn leaves(domain: &Domain, source: &Source, transform: &Rigid, ranges: &[[f64; 2]]) -> Option<f64> {
+/// The same of one place over a domain, as some vertices of its ring tell. `ranges`: of the source's colours.
+fn leaves(
+    domain: &Domain,
+    source: &Source,
+    transform: &Rigid,
+    ranges: &[[f64; 2]],
+    ring: impl Iterator<Item = usize>,
+) -> Option<f64> {
     let (known, paint) = (domain.paint.as_ref()?, source.paint.as_ref()?);
     let back = transform.inverse();
     let (mut own, mut rows) = (Vec::new(), Vec::new());
-    for &v in &domain.ring {
+    for v in ring {
         if let Some((at, _)) = place_of(domain, source, &back, v) {
             own.push(known.row(v));
             paint.push_row(source.faces[at.face as usize], at.barycentric, &mut rows);
@@ -84,20 +91,32 @@ fn leaves(domain: &Domain, source: &Source, transform: &Rigid, ranges: &[[f64; 2
 pub fn take_colours(
     story: &mut Story,
     domain: &Domain,
-    source: &Source,
-    transforms: &[Rigid],
+    library: &Library,
+    (target, transforms): (&Target<'_>, &[Rigid]),
     rho: f64,
     threads: usize,
+    check: &dyn Fn() -> Result<()>,
 ) -> Result<bool> {
+    let source = library.source();
     let ranges = source.paint.as_ref().map_or(Vec::new(), ranges);
-    let one = |i: usize| {
-        // The ring tells which are worth a look at the fill.
-        let left = leaves(domain, source, &transforms[i], &ranges)?;
-        (left < BETTER * f64::min(rho, TRUSTED.0)).then_some(())?;
-        Some((left, project(domain, source, &transforms[i])?))
+    let most = BETTER * f64::min(rho, TRUSTED.0);
+    // A part of the ring tells which are worth a closer look: it takes a fifth of what they leave, at most.
+    let step = domain.ring.len().div_ceil(SEEN).max(1);
+    let rough = |i: usize| {
+        let ring = domain.ring.iter().copied().step_by(step);
+        let left = leaves(domain, source, &transforms[i], &ranges, ring)?;
+        (left < TRUSTED.1).then_some(transforms[i])
     };
     let tried = transforms.len().min(TRIED);
-    let found = parallel::map(tried, threads, &|| Ok(()), &one)?;
+    let found = parallel::map(tried, threads, check, &rough)?;
+    let found: Vec<Rigid> = found.into_iter().flatten().collect();
+    let found = align_closely(&library.known, source, target, &found, threads, check)?;
+    let one = |i: usize| {
+        let left = leaves(domain, source, &found[i], &ranges, domain.ring.iter().copied())?;
+        (left < most).then_some(())?;
+        Some((left, project(domain, source, &found[i])?))
+    };
+    let found = parallel::map(found.len(), threads, check, &one)?;
     let best = found.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((left, copy)) = &best {
         tell(story, domain, source, copy, *left);

@@ -233,20 +233,37 @@ impl WithSimd for Tints<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for turn in (0..TURNS).step_by(LANES) {
-            let mut sums = lanes(self.sums, turn);
-            for (b, &t) in self.bins.iter().zip(self.tints) {
-                let mut off = lanes(self.source, b.a + turn).map(|x| t - x);
-                let square = off;
-                if let Some(known) = self.known {
-                    let known = lanes(known, b.a + turn);
-                    (0..LANES).for_each(|l| off[l] *= known[l]);
+        let Self { sums, bins, tints, source, known } = self;
+        let mut all: [Lanes; TURNS / LANES] = std::array::from_fn(|k| lanes(sums, k * LANES));
+        for (b, &t) in bins.iter().zip(tints) {
+            let row: &[f32; TURNS] = array(source, b.a);
+            match known.map(|known| array::<TURNS>(known, b.a)) {
+                None => {
+                    for (k, sums) in all.iter_mut().enumerate() {
+                        for l in 0..LANES {
+                            let off = t - row[k * LANES + l];
+                            sums[l] += off * off;
+                        }
+                    }
                 }
-                (0..LANES).for_each(|l| sums[l] += off[l] * square[l]);
+                Some(known) => {
+                    for (k, sums) in all.iter_mut().enumerate() {
+                        for l in 0..LANES {
+                            let off = t - row[k * LANES + l];
+                            sums[l] += known[k * LANES + l] * off * off;
+                        }
+                    }
+                }
             }
-            self.sums[turn..turn + LANES].copy_from_slice(&sums);
         }
+        sums.chunks_exact_mut(LANES).zip(&all).for_each(|(to, sums)| to.copy_from_slice(sums));
     }
+}
+
+/// N numbers of a row: one look at its bounds for all of them.
+#[inline(always)]
+fn array<const N: usize>(row: &[f32], from: usize) -> &[f32; N] {
+    row[from..].first_chunk().expect("rows run on to whole lanes")
 }
 
 #[inline(always)]

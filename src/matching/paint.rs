@@ -40,43 +40,36 @@ impl Paint {
         if *steering == 0 || values.len() < *channels {
             return None;
         }
-        let of_mesh = || values.chunks_exact(*channels).map(|row| &row[..*steering]);
+        let of_mesh = || values.chunks_exact(*channels);
         let n = of_mesh().len() as f64;
-        let (mut mean, mut greatest) = (vec![0.0; *steering], 0.0_f64);
-        for row in of_mesh() {
-            mean.iter_mut().zip(row).for_each(|(m, x)| *m += x / n);
-            greatest = row.iter().fold(greatest, |g, x| g.max(x.abs()));
-        }
-        // Its lower half, column after column.
-        let mut products = vec![0.0; steering * (steering + 1) / 2];
-        for row in of_mesh() {
-            let mut at = products.iter_mut();
-            for (a, (x, m)) in row.iter().zip(&mean).enumerate() {
-                let others = row[a..].iter().zip(&mean[a..]);
-                others.zip(&mut at).for_each(|((y, k), p)| *p += (x - m) * (y - k) / n);
-            }
-        }
+        let mean = |c: usize| of_mesh().map(|row| row[c] / n).sum::<f64>();
+        let mean: Vec<f64> = (0..*steering).map(mean).collect();
         let mut covariance = DMatrix::<f64>::zeros(*steering, *steering);
-        let pairs = (0..*steering).flat_map(|a| (a..*steering).map(move |b| (a, b)));
-        for ((a, b), &product) in pairs.zip(&products) {
-            (covariance[(a, b)], covariance[(b, a)]) = (product, product);
+        for a in 0..*steering {
+            for b in a..*steering {
+                let product = |row: &[f64]| (row[a] - mean[a]) * (row[b] - mean[b]) / n;
+                covariance[(a, b)] = of_mesh().map(product).sum();
+                covariance[(b, a)] = covariance[(a, b)];
+            }
         }
         let spread = covariance.trace().sqrt();
         // Less than this is rounding: one colour.
+        let most = |g: f64, row: &[f64]| row[..*steering].iter().fold(g, |g, x| g.max(x.abs()));
+        let greatest = of_mesh().fold(0.0, most);
         if !(spread.is_finite() && spread > 1e-9 * greatest) {
             return None;
         }
         let axes = covariance.symmetric_eigen();
         let axis = axes.eigenvectors.column(axes.eigenvalues.imax());
-        let of_exemplar = exemplar_values.chunks_exact(*channels).map(|row| &row[..*steering]);
-        let count = of_mesh().len() + of_exemplar.len();
-        let (mut rows, mut tint) =
-            (Vec::with_capacity(count * steering), Vec::with_capacity(count));
-        for row in of_mesh().chain(of_exemplar) {
-            let first = rows.len();
-            rows.extend(row.iter().zip(&mean).map(|(x, m)| (x - m) / spread));
-            tint.push(rows[first..].iter().zip(axis.iter()).map(|(x, a)| x * a).sum());
+        let all = of_mesh().chain(exemplar_values.chunks_exact(*channels));
+        let mut rows = vec![0.0; all.clone().count() * steering];
+        for (to, row) in rows.chunks_exact_mut(*steering).zip(all) {
+            for c in 0..*steering {
+                to[c] = (row[c] - mean[c]) / spread;
+            }
         }
+        let along = |row: &[f64]| row.iter().zip(axis.iter()).map(|(x, a)| x * a).sum();
+        let tint = rows.chunks_exact(*steering).map(along).collect();
         Some(Self { channels: *steering, rows, tint, slopes: Vec::new() })
     }
 
@@ -108,9 +101,10 @@ impl Paint {
             let normal = (b - a).cross(c - a);
             let turn = t[0] * (c - b) + t[1] * (a - c) + t[2] * (b - a);
             let slope = normal.normalize_or_zero().cross(turn);
+            let area = normal.length();
             for &v in face {
                 slopes[v as usize] += slope;
-                areas[v as usize] += normal.length();
+                areas[v as usize] += area;
             }
         }
         paint.slopes =

@@ -229,7 +229,7 @@ impl WithSimd for Compared<'_> {
 fn difference(x: &Row, w: &Row, s: &Row, least: f32) -> Option<f32> {
     const LANES: usize = 8;
     const PART: usize = 2 * LANES;
-    let mut sums = [0.0; LANES];
+    let (mut sums, mut all) = ([0.0; LANES], 0.0);
     for part in (0..SAMPLES).step_by(PART) {
         for k in (part..part + PART).step_by(LANES) {
             for (i, sum) in sums.iter_mut().enumerate() {
@@ -237,11 +237,14 @@ fn difference(x: &Row, w: &Row, s: &Row, least: f32) -> Option<f32> {
                 *sum += w[k + i] * off * off;
             }
         }
-        if sums.iter().sum::<f32>() >= least {
+        // In halves, as the lanes do it best.
+        let four: [f32; LANES / 2] = std::array::from_fn(|i| sums[i] + sums[i + LANES / 2]);
+        all = (four[0] + four[2]) + (four[1] + four[3]);
+        if all >= least {
             return None;
         }
     }
-    Some(sums.iter().sum())
+    Some(all)
 }
 
 /// A hole that is being filled.
