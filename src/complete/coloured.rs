@@ -9,7 +9,7 @@ use super::smooth::Story;
 use crate::error::Result;
 use crate::matching::paint::Paint;
 use crate::matching::rigid::Rigid;
-use crate::matching::search::{align_closely, Target};
+use crate::matching::search::{align_closely, Target, POINTS};
 use crate::matching::source::Source;
 use crate::mesh::neighbourhood::Neighbourhood;
 use crate::parallel;
@@ -101,7 +101,7 @@ pub fn take_colours(
     let ranges = source.paint.as_ref().map_or(Vec::new(), ranges);
     let most = BETTER * f64::min(rho, TRUSTED.0);
     // A part of the ring tells which are worth a closer look: it takes a fifth of what they leave, at most.
-    let step = domain.ring.len().div_ceil(SEEN).max(1);
+    let step = domain.ring.len().div_ceil(POINTS[0]).max(1);
     let rough = |i: usize| {
         let ring = domain.ring.iter().copied().step_by(step);
         let left = leaves(domain, source, &transforms[i], &ranges, ring)?;
