@@ -10,7 +10,7 @@
 //!   averages of positions (Eq. 5 and 6) lose the detail.
 
 use super::coloured::{lack, take_colours, EMPHASIS};
-use super::guided::{common, rank, transforms, RankedView};
+use super::guided::{common, rank, transforms, Ranked};
 use super::library::Library;
 use super::quilted::quilt_colours;
 use super::smooth::{Fill, Story, Surroundings};
@@ -260,32 +260,30 @@ impl Scope<'_> {
             let part = |part: f64| (i as f64 + part) / windows.len() as f64;
             let at = |p: f64| (self.check)(self.search + (self.first - self.search) * part(p));
             let roughness = self.roughness(&window.domain);
-            let chosen = self.choose(window, all, roughness, &at)?;
-            let transforms = chosen.as_ref().map_or(&all[..], from_ref);
-            if self.guidance.candidate == 0 || chosen.is_some() {
-                views.extend(look(window, source, transforms, roughness, threads, &at)?);
+            let ring = window.domain.ring_points();
+            let target = window.domain.target(&ring);
+            let at_all = |check: &dyn Fn(f64) -> Result<()>| {
+                look(window, source, all, (roughness, None), threads, check)
+            };
+            let Some(place) = self.guidance.candidate.checked_sub(1) else {
+                let view = at_all(&at)?;
+                // Whoever then asks for one of them need not wait for this look.
+                rank(self.library, self.guidance, &target, || {
+                    Ok(Ranked::of(view.as_ref(), &target))
+                })?;
+                views.extend(view);
+                continue;
+            };
+            let ranked = rank(self.library, self.guidance, &target, || {
+                Ok(Ranked::of(at_all(&|_| at(0.0))?.as_ref(), &target))
+            })?;
+            self.candidates.set(self.candidates.get().max(ranked.places.len()));
+            if let Some(one) = ranked.places.get(place) {
+                let told = (roughness, ranked.chosen);
+                views.extend(look(window, source, from_ref(one), told, threads, &at)?);
             }
         }
         Ok(views)
-    }
-
-    /// The one of the transforms that was asked for; `None` if all are, or if it is not there.
-    fn choose(
-        &self,
-        window: &Window,
-        all: &[Rigid],
-        roughness: f64,
-        check: &dyn Fn(f64) -> Result<()>,
-    ) -> Result<Option<Rigid>> {
-        let Some(place) = self.guidance.candidate.checked_sub(1) else { return Ok(None) };
-        let ring = window.domain.ring_points();
-        let ranked = rank(self.library, self.guidance, &window.domain.target(&ring), &|| {
-            let source = self.library.source();
-            let view = look(window, source, all, roughness, self.threads, &|_| check(0.0))?;
-            Ok(view.as_ref().map(RankedView::of))
-        })?;
-        self.candidates.set(self.candidates.get().max(ranked.len()));
-        Ok(ranked.get(place).copied())
     }
 
     /// Looks at what a view saw once more, over a surface that was found so. `error`: what the first look
@@ -300,7 +298,7 @@ impl Scope<'_> {
         let Some(window) = one_window(domain) else { return Ok(None) };
         let source = self.library.source();
         let mut transforms: Vec<_> = first.copies.iter().map(|c| c.transform).collect();
-        let roughness = self.roughness(&window.domain);
+        let told = (self.roughness(&window.domain), Some(first.fitted.chosen));
         let stop = |part: f64| (self.check)(self.first + (1.0 - self.first) * part);
         // Those that had the most say are worth more alignments.
         let mut order: Vec<usize> = (0..transforms.len()).collect();
@@ -314,9 +312,7 @@ impl Scope<'_> {
             transforms.extend(realign(known, source, &target, &best, threads, &|| stop(0.0))?);
         }
         let views: Vec<View<'_>> =
-            look(&window, source, &transforms, roughness, self.threads, &stop)?
-                .into_iter()
-                .collect();
+            look(&window, source, &transforms, told, self.threads, &stop)?.into_iter().collect();
         let made = finish(found, source, domain, &views, &|| stop(1.0))?;
         let Some((patch, mut story)) = made else { return Ok(None) };
         // What it was before is what it was before both looks.
@@ -350,7 +346,7 @@ fn finish(
     if views.is_empty() {
         return Ok(None);
     }
-    let Some(joined) = join(domain, views) else { return Ok(None) };
+    let Some(joined) = join(domain, views, check)? else { return Ok(None) };
     let before = coherence_error(views, &|_| 0.0, check)?;
     let after = coherence_error(views, &|i| joined.heights[i], check)?;
     let mut patch = initial.clone();

@@ -8,7 +8,7 @@ use super::library::Library;
 use super::pulled::pull_fill;
 use super::smooth::{fill_hole, Fill, Surroundings};
 use super::together::initial_of;
-use super::{warp, workers, Completer, Outcome};
+use super::{warp, workers, Completer, Outcome, LIBRARIES};
 use crate::error::Result;
 use crate::fill::patch::Patch;
 use crate::holes::Hole;
@@ -299,17 +299,19 @@ impl Completer<'_> {
             appearance: appearance.clone(),
             fills: fills.iter().map(|f| (f.0, f.1.patch.clone())).collect(),
         };
-        let mut kept = self.library.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, library)) = kept.as_ref().filter(|k| k.0.is(sources, appearance, fills)) {
-            return Ok(library.clone());
+        let mut kept = self.libraries.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(place) = kept.iter().position(|k| k.0.is(sources, appearance, fills)) {
+            kept.swap(0, place);
+            return Ok(kept[0].1.clone());
         }
+        kept.truncate(LIBRARIES - 1);
         let rims = self.rims();
         let library = match fills.is_empty() {
             true => Library::new(self.mesh, &rims, sources, appearance.as_deref(), check)?,
             false => Library::completed(self.mesh, &rims, fills, !sources.unmirrored, check)?,
         };
         let library = Arc::new(library);
-        *kept = Some((key(), library.clone()));
+        kept.push_front((key(), library.clone()));
         Ok(library)
     }
 }

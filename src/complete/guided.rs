@@ -14,6 +14,7 @@ use crate::options::{Exemplar, Options};
 use crate::parallel;
 use crate::progress::Monitor;
 use crate::result::Completion;
+use crate::synthesis::fit::Chosen;
 use crate::synthesis::view::{View, HOPELESS};
 use glam::DVec3;
 use std::slice::from_ref;
@@ -221,16 +222,15 @@ fn distinct(
 }
 
 /// The candidates of a window: what was found for it, best first by the fit, each place once, without
-/// those that predict known surface worse than a smooth one does (they may have its colours).
+/// those that predict known surface worse than a smooth one does (they may have its colours). `look`: at all that
+/// was found, if that was not yet done.
 pub fn rank(
     library: &Library,
     guidance: &Guidance,
     target: &Target<'_>,
-    look: &dyn Fn() -> Result<Option<RankedView>>,
-) -> Result<Arc<Vec<Rigid>>> {
-    library.kept.ranked.find(from_ref(target), guidance.scales, || {
-        Ok(look()?.map_or_else(Arc::default, |ranked| Arc::new(ranked.distinct(target))))
-    })
+    look: impl FnOnce() -> Result<Ranked>,
+) -> Result<Arc<Ranked>> {
+    library.kept.ranked.find(from_ref(target), guidance.scales, || Ok(Arc::new(look()?)))
 }
 
 impl Completer<'_> {
@@ -261,25 +261,27 @@ impl Completer<'_> {
     }
 }
 
-/// What a view says of its copies: their transforms, the best first.
-pub struct RankedView {
-    copies: Vec<Rigid>,
+/// What a look at all that was found says of it.
+#[derive(Default)]
+pub struct Ranked {
+    /// The candidates, the best first, each place once.
+    pub places: Vec<Rigid>,
+    /// The stiffnesses chosen for all of them, if any serves.
+    pub chosen: Option<Chosen>,
 }
 
-impl RankedView {
-    /// Of a view of all.
-    pub fn of(view: &View<'_>) -> Self {
+impl Ranked {
+    /// Of a view of all, if any serves.
+    pub fn of(view: Option<&View<'_>>, target: &Target<'_>) -> Self {
+        let Some(view) = view else { return Self::default() };
         let mut order: Vec<usize> = (0..view.copies.len()).collect();
         order.sort_by(|&a, &b| view.shares[b].total_cmp(&view.shares[a]).then(a.cmp(&b)));
         let painted = view.window.domain.paint.is_some();
         let worst = HOPELESS * view.fitted.plate_error;
         order.retain(|&k| painted || view.fitted.error[k] <= worst);
-        Self { copies: order.iter().map(|&k| view.copies[k].transform).collect() }
-    }
-
-    /// The same, each place once.
-    pub fn distinct(self, target: &Target<'_>) -> Vec<Rigid> {
-        distinct(self.copies.into_iter(), target.fill, SAME * target.radius, usize::MAX)
+        let copies = order.iter().map(|&k| view.copies[k].transform);
+        let places = distinct(copies, target.fill, SAME * target.radius, usize::MAX);
+        Self { places, chosen: Some(view.fitted.chosen) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a coherent completion of a mesh copies from, its height maps by scale, and the searches made in
 //! it: kept between the holes of a call, and between the calls of a completer.
 
-use super::guided::{guess_scales, Transforms};
+use super::guided::{guess_scales, Ranked, Transforms};
 use super::harary::Initial;
 use super::searches::Searches;
 use crate::descriptor::voting::voted_curvatures;
@@ -50,7 +50,7 @@ pub struct Kept {
     /// Searches among sources of other sizes.
     pub scaled: Searches<Transforms>,
     /// The candidates of a window, in order.
-    pub ranked: Searches<Arc<Vec<Rigid>>>,
+    pub ranked: Searches<Arc<Ranked>>,
     /// The same by [`crate::Method::Warp`].
     pub warped: Searches<Arc<Vec<Rigid>>>,
     features: Mutex<BTreeMap<(), Arc<Described>>>,

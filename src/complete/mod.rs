@@ -66,6 +66,8 @@ fn filling(method: Method) -> workers::Span {
 
 /// Results that a completer keeps.
 const LAST: usize = 16;
+/// Libraries that it keeps: of all holes and of one of them, as a host goes back and forth. They are large.
+const LIBRARIES: usize = 2;
 
 /// Completes a mesh in one call, in silence. See [`Completer`] for the parts.
 pub fn complete_mesh<'a>(
@@ -94,8 +96,8 @@ pub struct Completer<'a> {
     holes: HoleList,
     /// Whether the vertices are a cloud's points.
     of_points: bool,
-    /// Made when a coherent completion first asks for it.
-    library: Mutex<Option<(Key, Arc<Library>)>>,
+    /// Made when a coherent completion first asks for them: the last ones.
+    libraries: Mutex<VecDeque<(Key, Arc<Library>)>>,
     /// The last results and what was asked for: a host that redoes, or goes back, need not wait. They are of new
     /// vertices and faces alone.
     last: Mutex<VecDeque<(Options, Completion)>>,
@@ -116,7 +118,7 @@ impl<'a> Completer<'a> {
             mesh,
             holes,
             of_points: false,
-            library: Mutex::default(),
+            libraries: Mutex::default(),
             last: Mutex::default(),
             spent: (clock.elapsed(), cpu.elapsed()),
         })

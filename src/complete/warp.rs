@@ -11,7 +11,7 @@
 use super::coherent::{
     domain_of, roughness, take_density, tell, with_colours, Search, AGAIN, LEAST,
 };
-use super::guided::{placed, RankedView};
+use super::guided::{placed, Ranked};
 use super::smooth::{Fill, Story, Surroundings};
 use crate::error::Result;
 use crate::fill::patch::Patch;
@@ -108,9 +108,10 @@ impl Task<'_> {
             let found = self.find(&window.domain, &target, By::Shape, &|p| early(0.8 * p))?;
             let rough = roughness(self.around, library, &window.domain);
             let judged = &found[..found.len().min(JUDGED)];
-            let view =
-                look(window, library.source(), judged, rough, threads, &|p| early(0.8 + 0.2 * p))?;
-            Ok(Arc::new(view.map_or(Vec::new(), |v| RankedView::of(&v).distinct(&target))))
+            let view = look(window, library.source(), judged, (rough, None), threads, &|p| {
+                early(0.8 + 0.2 * p)
+            })?;
+            Ok(Arc::new(Ranked::of(view.as_ref(), &target).places))
         })?;
         if guidance.candidate > 0 {
             candidates.set(ranked.len());
@@ -163,7 +164,7 @@ impl Task<'_> {
         let rough = roughness(self.around, library, &window.domain);
         let check = |part: f64| (self.check)(PARTS.0 + (PARTS.1 - PARTS.0) * part);
         let source = library.source();
-        let view = look(window, source, from_ref(transform), rough, threads, &check)?;
+        let view = look(window, source, from_ref(transform), (rough, None), threads, &check)?;
         let Some(view) = view else { return Ok(None) };
         let own = &window.domain;
         let at = |v: usize| own.sheet.positions[v] + view.copies[0].heights[v] * own.directions[v];

@@ -283,7 +283,7 @@ impl Domain {
         let n = self.sheet.positions.len();
         let mut columns: Vec<Vec<(u32, f64)>> = (0..n).map(|v| vec![(v as u32, 0.0)]).collect();
         for i in 0..n {
-            if !self.complete[i] {
+            if !self.complete[i] && self.is_known(i) {
                 continue;
             }
             let row = || std::iter::once((i, l.diagonal[i])).chain(l.row(i).map(|(k, w)| (k, -w)));

@@ -39,11 +39,14 @@ pub struct Fitted {
     pub plate_error: f64,
     /// What was left on the ring before it was made to fade, by copy.
     pub leftover: Vec<Vec<f64>>,
-    /// The stiffness chosen, in units of 0.01 R⁴.
-    pub stiffness: f64,
+    /// Which of the stiffnesses was chosen for the copies, and which for the bare plate.
+    pub chosen: Chosen,
     /// What was predicted at that stiffness where the ring was hidden.
     pub hidden: Vec<Hidden>,
 }
+
+/// Numbers of [`STIFFNESSES`]: of the copies and of the bare plate.
+pub type Chosen = [usize; 2];
 
 impl Fitted {
     /// The share α of a consensus in its blend with the bare plate that predicts best what was
@@ -66,12 +69,18 @@ impl Fitted {
     }
 }
 
-/// Fits all copies with one stiffness. `alone`: they are of the one place that was looked at. `Ok(None)` if a system
-/// cannot be factored.
+/// Which stiffnesses are tried: all, or those next to what was chosen for nearly the same surface, and the plate's.
+fn tried(before: Option<Chosen>) -> Vec<usize> {
+    let near =
+        |s: &usize| before.is_none_or(|[copies, plate]| s.abs_diff(copies) < 2 || *s == plate);
+    (0..STIFFNESSES.len()).filter(near).collect()
+}
+
+/// Fits all copies with one stiffness. `before`: what was chosen in an earlier look. `Ok(None)` if a system cannot be factored.
 pub fn fit(
     domain: &Domain,
     copies: &[Copy],
-    alone: bool,
+    before: Option<Chosen>,
     threads: usize,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<Fitted>> {
@@ -81,38 +90,33 @@ pub fn fit(
     let mut weight = vec![0.0; n];
     domain.ring.iter().for_each(|&v| weight[v] = domain.laplacian.mass[v]);
     check(0.0)?;
-    // A window whose border is so ragged that nothing speaks of some vertex: several places that each serve a part
-    // end in spikes there (cracks: five times as far from the truth as the smooth fill). One that serves all does not.
-    if !alone && energy.is_loose(&weight) {
-        return Ok(None);
-    }
     // Warms up the ordering, which all workers then share.
     if domain.ring.is_empty() || energy.factor(unit * STIFFNESSES[3], &weight).is_none() {
         return Ok(None);
     }
     check(0.0)?;
-    let groups = HIDDEN.len();
-    let trials = STIFFNESSES.len() * groups;
+    let (groups, tried) = (HIDDEN.len(), tried(before));
     let one = |trial: usize| {
-        let (stiffness, width) = (STIFFNESSES[trial / groups], HIDDEN[trial % groups]);
+        let (stiffness, width) = (STIFFNESSES[tried[trial / groups]], HIDDEN[trial % groups]);
         hide(domain, copies, &energy, &weight, unit * stiffness, width)
     };
-    let errors = parallel::map_part(trials, threads, check, &one)?;
+    let errors = parallel::map_part(tried.len() * groups, threads, check, &one)?;
     let Some(mut errors) = errors.into_iter().collect::<Option<Vec<Hidden>>>() else {
         return Ok(None);
     };
-    let by_stiffness: Vec<Vec<f64>> = (0..STIFFNESSES.len())
+    let by_stiffness: Vec<Vec<f64>> = (0..tried.len())
         .map(|s| pool(&errors[s * groups..(s + 1) * groups], copies.len() + 1))
         .collect();
     let chosen = choose(&by_stiffness, copies.len());
     let stop = || check(1.0);
-    let made = apply(domain, copies, &mut energy, &weight, unit, chosen, &stop)?;
+    let made =
+        apply(domain, copies, &mut energy, &weight, unit * STIFFNESSES[tried[chosen]], &stop)?;
     let Some(mut fitted) = made else {
         return Ok(None);
     };
     // The plate is at its best when it follows what is known, not at the copies' stiffness.
     let of_plate = |s: &usize| by_stiffness[*s][copies.len()];
-    let best_plate = (0..STIFFNESSES.len()).min_by(|a, b| of_plate(a).total_cmp(&of_plate(b)));
+    let best_plate = (0..tried.len()).min_by(|a, b| of_plate(a).total_cmp(&of_plate(b)));
     let best_plate = best_plate.unwrap_or(0);
     let plates: Vec<Vec<f64>> = (errors[best_plate * groups..(best_plate + 1) * groups].iter())
         .map(|h| h.errors[copies.len()].clone())
@@ -121,6 +125,7 @@ pub fn fit(
     for (hidden, plate) in fitted.hidden.iter_mut().zip(plates) {
         hidden.errors[copies.len()] = plate;
     }
+    fitted.chosen = [tried[chosen], tried[best_plate]];
     fitted.error = by_stiffness[chosen][..copies.len()].to_vec();
     fitted.plate_error = by_stiffness[best_plate][copies.len()];
     Ok(Some(fitted))
@@ -220,13 +225,12 @@ fn apply(
     copies: &[Copy],
     energy: &mut Symmetric,
     weight: &[f64],
-    unit: f64,
-    chosen: usize,
+    stiffness: f64,
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Option<Fitted>> {
     check()?;
     let mut columns = mismatches(domain, copies, weight);
-    let Some(factor) = energy.factor(unit * STIFFNESSES[chosen], weight) else { return Ok(None) };
+    let Some(factor) = energy.factor(stiffness, weight) else { return Ok(None) };
     check()?;
     factor.solve(&mut columns);
     check()?;
@@ -249,13 +253,12 @@ fn apply(
             (0..weight.len()).map(|v| copy.heights[v] + columns[k][v] + faded[k][v]).collect()
         })
         .collect();
-    let stiffness = STIFFNESSES[chosen];
     Ok(Some(Fitted {
         heights,
         error: Vec::new(),
         plate_error: 0.0,
         leftover,
-        stiffness,
+        chosen: [0; 2],
         hidden: Vec::new(),
     }))
 }

@@ -11,12 +11,26 @@
 
 use super::domain::Domain;
 use super::factor::Symmetric;
+use super::labels::Energy;
 use super::project::Place;
 use super::view::View;
+use crate::error::Result;
 
 /// ℓ in hole radii: more gives more detail and more distance; between 0.1 and 0.14 measured on seventeen
 /// holes.
 const SPLIT: f64 = 0.11;
+
+/// Sum of the windows' weights below which the initial completion has a say: windows that all serve leave no vertex
+/// with less.
+const SURE: f64 = 0.26;
+
+/// Weight from which on a window's copies may give the detail: 0.85 of its radius from its middle.
+const FAR: f64 = 0.077;
+
+/// Costs, in edges, of a copy of a window that would not have chosen it there, and of one whose window's middle is
+/// far off.
+const OTHER: f64 = 0.1;
+const ASIDE: f64 = 0.1;
 
 /// Detail that the solve weakens is laid on by this factor at most: the mane of a lion takes 1.3.
 pub const MOST_GAIN: f64 = 1.5;
@@ -33,38 +47,32 @@ pub struct Joined {
 }
 
 /// Joins what all windows saw; `None` if the system cannot be factored.
-pub fn join(domain: &Domain, views: &[View<'_>]) -> Option<Joined> {
+pub fn join(
+    domain: &Domain,
+    views: &[View<'_>],
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Option<Joined>> {
     let n = domain.fill.len();
     let first = domain.fill.start;
-    let (mut base, mut labels) = (vec![0.0; n], vec![None; n]);
-    for i in 0..n {
-        let (mut sum, mut best) = (0.0, 0.0);
-        for (w, view) in views.iter().enumerate() {
-            let Some(own) = view.index(i) else { continue };
-            let weight = view.window.weight[i];
-            base[i] += weight * view.base[own];
-            sum += weight;
-            if weight > best {
-                best = weight;
-                labels[i] = Some((w, view.labels[own]));
-            }
-        }
-        if sum > 0.0 {
-            base[i] /= sum;
-        }
-    }
-    // Height of a copy at a vertex of the domain; where its window ends, that of the base.
+    let base = blend(n, views);
+    let labels = choose(domain, views, &base, check)?;
+    // Height of a copy at a vertex of the domain; nothing where its window ends.
     let height = |label: Option<(usize, usize)>, v: usize| match (label, domain.is_known(v)) {
-        (_, true) | (None, _) => 0.0,
-        (Some((w, k)), false) => match views[w].index(v - first) {
-            Some(own) => views[w].fitted.heights[k][views[w].window.domain.fill.start + own],
-            None => base[v - first],
-        },
+        (_, true) | (None, _) => Some(0.0),
+        (Some((w, k)), false) => {
+            let own = views[w].index(v - first)?;
+            Some(views[w].fitted.heights[k][views[w].window.domain.fill.start + own])
+        }
+    };
+    // What it says at v beside i; it goes on level where its window ends.
+    let copied = |i: usize, v: usize| {
+        let label = labels[i - first];
+        height(label, v).or_else(|| height(label, i)).unwrap_or(0.0)
     };
     let l = &domain.laplacian;
     let ratio = (domain.edge / (SPLIT * domain.radius)).powi(2) / 4.0;
     let mut matrix = matrix(domain.fill.clone(), ratio, &|i| l.row(i).map(|(k, _)| k).collect());
-    let factor = matrix.factor(1.0, &vec![0.0; n])?;
+    let Some(factor) = matrix.factor(1.0, &vec![0.0; n]) else { return Ok(None) };
     // Degree · height − those around it.
     let detail = |i: usize, height: &dyn Fn(usize) -> f64| {
         l.row(i).fold(0.0, |sum, (k, _)| sum + height(i) - height(k))
@@ -75,7 +83,7 @@ pub fn join(domain: &Domain, views: &[View<'_>]) -> Option<Joined> {
             let degree = l.row(i).count() as f64;
             let label = labels[i - first];
             let plausible = label.map_or(0.0, |(w, _)| views[w].plausible);
-            let wanted = detail(i, &|k| height(label, k)) * (1.0 + plausible * (gain - 1.0));
+            let wanted = detail(i, &|k| copied(i, k)) * (1.0 + plausible * (gain - 1.0));
             let row = || std::iter::once((i, degree)).chain(l.row(i).map(|(k, _)| (k, -1.0)));
             for (a, x) in row().filter(|&(a, _)| domain.fill.contains(&a)) {
                 rhs[a - first] += x * wanted / degree;
@@ -96,17 +104,86 @@ pub fn join(domain: &Domain, views: &[View<'_>]) -> Option<Joined> {
                 |k: usize| domain.fill.contains(&k) && labels[k - first] == labels[i - first];
             labels[i - first].is_some() && l.row(i).all(|(k, _)| same(k))
         };
-        let [mut copied, mut kept] = [0.0; 2];
+        let [mut wanted, mut kept] = [0.0; 2];
         for i in domain.fill.clone().filter(inside) {
-            copied += detail(i, &|k| height(labels[i - first], k)).powi(2);
+            wanted += detail(i, &|k| copied(i, k)).powi(2);
             kept += detail(i, &|k| heights[k - first]).powi(2);
         }
-        let gain = f64::sqrt(copied / kept).clamp(1.0, MOST_GAIN);
+        let gain = f64::sqrt(wanted / kept).clamp(1.0, MOST_GAIN);
         if gain > 1.0 {
             heights = solve(gain);
         }
     }
-    Some(Joined { heights, labels })
+    Ok(Some(Joined { heights, labels }))
+}
+
+/// What the windows agree on, each as far as it reaches; where none does, the initial completion.
+fn blend(n: usize, views: &[View<'_>]) -> Vec<f64> {
+    let at = |i: usize| {
+        let (mut height, mut sum) = (0.0, 0.0);
+        for view in views {
+            if let Some(own) = view.index(i) {
+                height += view.window.weight[i] * view.base[own];
+                sum += view.window.weight[i];
+            }
+        }
+        height / f64::max(sum, SURE)
+    };
+    (0..n).map(at).collect()
+}
+
+/// View and copy that give the detail at each vertex of the fill: of one view its own, of several by a graph cut,
+/// so that seams between windows, too, run where copies agree.
+fn choose(
+    domain: &Domain,
+    views: &[View<'_>],
+    base: &[f64],
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Vec<Option<(usize, usize)>>> {
+    let is_whole = |view: &View<'_>| view.window.weight.iter().all(|&w| w == 1.0);
+    if let Some(view) = views.first().filter(|view| is_whole(view)) {
+        return Ok((0..base.len()).map(|i| Some((0, view.labels[view.index(i)?]))).collect());
+    }
+    let reaches = |w: usize, i: usize| views[w].window.weight[i] > FAR;
+    let mut all: Vec<(usize, usize)> = Vec::new();
+    for (w, view) in views.iter().enumerate() {
+        let mut own: Vec<usize> = view.labels.clone();
+        own.sort_unstable();
+        own.dedup();
+        all.extend(own.into_iter().map(|k| (w, k)));
+    }
+    let (mut unary, mut values) = (Vec::new(), Vec::new());
+    let edge = domain.edge;
+    for &(w, k) in &all {
+        let view = &views[w];
+        let height = |i: usize| match view.index(i) {
+            Some(own) => view.fitted.heights[k][view.window.domain.fill.start + own],
+            None => base[i],
+        };
+        let cost = |i: usize| match view.index(i).filter(|_| reaches(w, i)) {
+            Some(own) => {
+                let other = if view.labels[own] == k { 0.0 } else { OTHER * edge };
+                (height(i) - base[i]).abs() + other + ASIDE * edge * (1.0 - view.window.weight[i])
+            }
+            None => f64::INFINITY,
+        };
+        unary.push((0..base.len()).map(cost).collect::<Vec<f64>>());
+        values.push((0..base.len()).map(height).collect::<Vec<f64>>());
+    }
+    // Where no window reaches, the initial completion stays.
+    let is_bare = |i: usize| (0..views.len()).all(|w| !reaches(w, i));
+    unary.push((0..base.len()).map(|i| if is_bare(i) { 0.0 } else { f64::INFINITY }).collect());
+    values.push(vec![0.0; base.len()]);
+    let best = |i: usize| {
+        let cost = |l: &usize| unary[*l][i];
+        (0..unary.len()).min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(0)
+    };
+    let edges: Vec<(u32, u32)> = domain.fill_edges();
+    let energy = Energy { unary: &unary, values: &values, rows: (&[], 0), edges: &edges };
+    let start = (0..base.len()).map(best).collect();
+    let order: Vec<usize> = (0..unary.len()).collect();
+    let labels = energy.minimise(start, &order, check)?;
+    Ok(labels.into_iter().map(|l| all.get(l).copied()).collect())
 }
 
 /// Σ_fill 1/deg L_uᵀ L_u + deg `ratio`² over the vertices of a fill, by the neighbours of each.

@@ -210,7 +210,7 @@ fn nudged(angle: f64, by: DVec3) -> Rigid {
 }
 
 fn fitted(d: &Domain, copies: &[Copy]) -> Fitted {
-    fit(d, copies, false, 1, &|_| Ok(())).unwrap().unwrap()
+    fit(d, copies, None, 1, &|_| Ok(())).unwrap().unwrap()
 }
 
 #[test]
@@ -329,7 +329,7 @@ fn one_window_is_the_whole_domain() {
 }
 
 fn seen<'a>(window: &'a Window, source: &Source, by: &[Rigid]) -> Option<View<'a>> {
-    look(window, source, by, 0.0, 1, &|_| Ok(())).unwrap()
+    look(window, source, by, (0.0, None), 1, &|_| Ok(())).unwrap()
 }
 
 /// A flat fill is lifted onto the hills by the copy that shows them, the wrong ones notwithstanding.
@@ -346,7 +346,7 @@ fn a_view_chooses_the_copy_that_is_the_truth() {
     assert!(view.labels.iter().all(|&l| l == 1));
     assert!(view.confidence > 0.9, "{}", view.confidence);
     let d = &window.domain;
-    let joined = join(d, &[view]).unwrap();
+    let joined = join(d, &[view], &|| Ok(())).unwrap().unwrap();
     let off = |(i, h): (usize, &f64)| {
         let p = d.sheet.positions[d.fill.start + i] + *h * d.directions[d.fill.start + i];
         (p.z - hills(p.x, p.y).0.z).abs()
@@ -365,7 +365,7 @@ fn nothing_to_look_at_is_no_view() {
     assert!(seen(&window, &source, &[]).is_none());
     assert!(seen(&window, &source, &[nudged(0.0, DVec3::X * 9.0)]).is_none());
     let stop = |_| Err(Error::Cancelled);
-    let stopped = look(&window, &source, &[Rigid::IDENTITY], 0.0, 1, &stop);
+    let stopped = look(&window, &source, &[Rigid::IDENTITY], (0.0, None), 1, &stop);
     assert_eq!(stopped.err(), Some(Error::Cancelled));
 }
 
@@ -381,7 +381,7 @@ fn a_copy_joined_with_itself_comes_back() {
     view.base = heights[d.fill.clone()].to_vec();
     view.fitted.heights = vec![heights];
     let wanted = view.base.clone();
-    let joined = join(d, &[view]).unwrap();
+    let joined = join(d, &[view], &|| Ok(())).unwrap().unwrap();
     for (x, y) in joined.heights.iter().zip(&wanted) {
         assert!((x - y).abs() < 1e-6, "{x} {y}");
     }
@@ -410,7 +410,7 @@ fn plausible_relief_keeps_its_strength() {
         view.base.fill(0.0);
         view.fitted.heights = vec![(0..d.sheet.positions.len()).map(wave).collect()];
         view.plausible = plausible;
-        let heights = join(d, &[view]).unwrap().heights;
+        let heights = join(d, &[view], &|| Ok(())).unwrap().unwrap().heights;
         strength(&|v| heights[v - d.fill.start]) / strength(&wave)
     };
     let [near, half, right] = [0.0, 0.5, 1.0].map(joined);

@@ -1,7 +1,7 @@
 //! What one window sees: copies projected, fitted, ranked, agreed on, and one chosen at each vertex.
 
 use super::domain::Domain;
-use super::fit::{fit, Fitted};
+use super::fit::{fit, Chosen, Fitted};
 use super::labels::Energy;
 use super::project::{project, Copy, Place};
 use super::rank::{score, weights};
@@ -73,12 +73,13 @@ impl View<'_> {
     }
 }
 
-/// Looks at the candidates through a window; `None` if none serves. `roughness` is the ring's.
+/// Looks at the candidates through a window; `None` if none serves. `roughness` is the ring's; `before` what was
+/// [chosen](Fitted::chosen) in a look at nearly the same surface.
 pub fn look<'a>(
     window: &'a Window,
     source: &Source,
     candidates: &[Rigid],
-    roughness: f64,
+    (roughness, before): (f64, Option<Chosen>),
     threads: usize,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<View<'a>>> {
@@ -92,9 +93,8 @@ pub fn look<'a>(
     if copies.is_empty() || domain.fill.is_empty() {
         return Ok(None);
     }
-    let alone = candidates.len() == 1;
     let late = |part: f64| check(0.4 + 0.3 * part);
-    let Some(mut fitted) = fit(domain, &copies, alone, threads, &late)? else {
+    let Some(mut fitted) = fit(domain, &copies, before, threads, &late)? else {
         return Ok(None);
     };
     let scores = score(domain, &copies, &fitted, roughness);
