@@ -140,8 +140,7 @@ fn choose(
     base: &[f64],
     check: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Option<(usize, usize)>>> {
-    let is_whole = |view: &View<'_>| view.window.weight.iter().all(|&w| w == 1.0);
-    if let Some(view) = views.first().filter(|view| is_whole(view)) {
+    if let Some(view) = views.first().filter(|view| !view.window.is_part()) {
         return Ok((0..base.len()).map(|i| Some((0, view.labels[view.index(i)?]))).collect());
     }
     let reaches = |w: usize, i: usize| views[w].window.weight[i] > FAR;

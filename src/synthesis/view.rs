@@ -30,6 +30,11 @@ const PLAUSIBLE: (f64, f64) = (TRUSTED.1, 1.0);
 const OPTIMISM: f64 = 0.6;
 /// Ratio from which on a smooth surface is the better guess.
 pub const HOPELESS: f64 = 1.1;
+/// The ratio of a window of a long hole counts so many times: the ring lies nearer to all of a narrow fill than around
+/// a hole of its radius, so that what was aligned by it predicts it better than the fill. Measured on cracks in
+/// plates: at 1 they are filled a third worse than smoothly, from 2 on about as near; repeated ornament does not
+/// change up to 2.5.
+const BESIDE: f64 = 2.0;
 /// Part of the ring's variance of colour that a copy may leave for its colours to be believed where its
 /// shape is not: a smooth or flat wall that is painted.
 const SAME_COLOURS: f64 = 0.4;
@@ -107,7 +112,10 @@ pub fn look<'a>(
         base.push(w.iter().zip(&fitted.heights).map(|(w, h)| w * h[first + i]).sum::<f64>());
         shares.iter_mut().zip(&w).for_each(|(s, w)| *s += w / n as f64);
     }
-    let (mut share, ratio) = fitted.trust(&shares);
+    let (mut share, mut ratio) = fitted.trust(&shares);
+    if window.is_part() {
+        ratio *= BESIDE;
+    }
     let is_smooth = ratio > HOPELESS;
     if is_smooth {
         if !matches_colours(domain, &copies) {

@@ -27,6 +27,11 @@ impl Window {
     pub fn whole_start(&self) -> usize {
         self.first
     }
+
+    /// Whether there are others.
+    pub fn is_part(&self) -> bool {
+        self.weight.iter().any(|&w| w < 1.0)
+    }
 }
 
 /// The whole hole as one window; `None` if it bends too far to be seen from one side.
