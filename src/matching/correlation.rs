@@ -272,3 +272,32 @@ pub(super) fn lanes(row: &[f32], from: usize) -> Lanes {
     out.copy_from_slice(&row[from..from + LANES]);
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As one sum after another has it, at every turn, where all of a row is known and where some of it is.
+    #[test]
+    fn tints_are_compared_as_one_by_one() {
+        let noise = |k: usize| ((k * 7919) % 1009) as f32 / 1009.0 - 0.5;
+        let source: Row = std::array::from_fn(noise);
+        let angles = [0, 1, 7, 20, 35];
+        let row: Vec<Bin> = angles.map(|a| Bin { r: 3, a, moments: [0.0; MOMENTS] }).into();
+        let tints: Vec<f32> = (0..row.len()).map(|k| noise(k + 100)).collect();
+        let mut twice = [[0.0; ANGLES + TURNS]; RADII];
+        twice[3] = doubled(&source);
+        for known in [WHOLE, WHOLE & 0x5a5_f0f0_1234, 0] {
+            let mut so_far = SoFar::default();
+            so_far.add_tints(&row, &tints, &twice, known);
+            for turn in 0..ANGLES {
+                let one = |(b, t): (&Bin, &f32)| {
+                    let a = (b.a + turn) % ANGLES;
+                    (t - source[a]).powi(2) * (known >> a & 1) as f32
+                };
+                let sum: f32 = row.iter().zip(&tints).map(one).sum();
+                assert!((so_far.tints[turn] - sum).abs() < 1e-6, "{turn}");
+            }
+        }
+    }
+}
