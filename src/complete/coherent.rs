@@ -358,6 +358,42 @@ fn finish(
     Ok(Some((patch, Story { coherence_error, ..story })))
 }
 
+/// A place that windows copy from.
+struct CopiedPlace {
+    /// Views and their copies that are of it.
+    labels: Vec<(usize, usize)>,
+    /// Of the whole fill.
+    share: f64,
+    /// Mean over the views.
+    error: f64,
+}
+
+/// The places of all views, the most used first; one that serves several windows once.
+fn places_of(views: &[View<'_>]) -> Vec<CopiedPlace> {
+    let fills: f64 = views.iter().map(|v| v.window.domain.fill.len() as f64).sum();
+    let mut all: Vec<CopiedPlace> = Vec::new();
+    for (w, view) in views.iter().enumerate() {
+        for (k, copy) in view.copies.iter().enumerate() {
+            let share = view.shares[k] * view.window.domain.fill.len() as f64 / fills;
+            let (label, error) = ((w, k), view.fitted.error[k]);
+            let same = |of: &&mut CopiedPlace| {
+                let (w, k) = of.labels[0];
+                views[w].copies[k].transform == copy.transform
+            };
+            match all.iter_mut().find(same).filter(|of| of.labels[0].0 != w) {
+                Some(of) => {
+                    of.error += (error - of.error) / (of.labels.len() + 1) as f64;
+                    of.share += share;
+                    of.labels.push(label);
+                }
+                None => all.push(CopiedPlace { labels: vec![label], share, error }),
+            }
+        }
+    }
+    all.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.labels.cmp(&b.labels)));
+    all
+}
+
 /// Where each vertex comes from. `labels`: view and copy of each fill vertex.
 pub fn tell(
     source: &Source,
@@ -365,15 +401,10 @@ pub fn tell(
     views: &[View<'_>],
     labels: &[Option<(usize, usize)>],
 ) -> Story {
-    // The copies of all windows, the most used first.
-    let mut all: Vec<(usize, usize)> =
-        (0..views.len()).flat_map(|w| (0..views[w].copies.len()).map(move |k| (w, k))).collect();
-    let fills: f64 = views.iter().map(|v| v.window.domain.fill.len() as f64).sum();
-    let share = |&(w, k): &(usize, usize)| {
-        views[w].shares[k] * views[w].window.domain.fill.len() as f64 / fills
+    let all = places_of(views);
+    let place = |label: (usize, usize)| {
+        all.iter().position(|of| of.labels.contains(&label)).unwrap_or(0) as u32
     };
-    all.sort_by(|a, b| share(b).total_cmp(&share(a)).then(a.cmp(b)));
-    let place = |label: (usize, usize)| all.iter().position(|&l| l == label).unwrap_or(0) as u32;
     let origin = |(i, label): (usize, &Option<(usize, usize)>)| {
         let found = label.and_then(|(w, k)| Some((views[w].place(i, k)?, (w, k))));
         // A completion is no place to come from.
@@ -411,10 +442,10 @@ pub fn tell(
     let sources = all
         .iter()
         .zip(used)
-        .map(|(l, vertices)| SourceReport {
-            transform: given(l),
-            error: views[l.0].fitted.error[l.1],
-            weight: share(l),
+        .map(|(of, vertices)| SourceReport {
+            transform: given(&of.labels[0]),
+            error: of.error,
+            weight: of.share,
             vertices,
             coloured: 0,
         })

@@ -11,7 +11,7 @@
 
 use super::domain::Domain;
 use super::factor::Symmetric;
-use super::labels::Energy;
+use super::overlap::{blend, choose};
 use super::project::Place;
 use super::view::View;
 use crate::error::Result;
@@ -19,18 +19,6 @@ use crate::error::Result;
 /// ℓ in hole radii: more gives more detail and more distance; between 0.1 and 0.14 measured on seventeen
 /// holes.
 const SPLIT: f64 = 0.11;
-
-/// Sum of the windows' weights below which the initial completion has a say: windows that all serve leave no vertex
-/// with less.
-const SURE: f64 = 0.26;
-
-/// Weight from which on a window's copies may give the detail: 0.85 of its radius from its middle.
-const FAR: f64 = 0.077;
-
-/// Costs, in edges, of a copy of a window that would not have chosen it there, and of one whose window's middle is
-/// far off.
-const OTHER: f64 = 0.1;
-const ASIDE: f64 = 0.1;
 
 /// Detail that the solve weakens is laid on by this factor at most: the mane of a lion takes 1.3.
 pub const MOST_GAIN: f64 = 1.5;
@@ -115,74 +103,6 @@ pub fn join(
         }
     }
     Ok(Some(Joined { heights, labels }))
-}
-
-/// What the windows agree on, each as far as it reaches; where none does, the initial completion.
-fn blend(n: usize, views: &[View<'_>]) -> Vec<f64> {
-    let at = |i: usize| {
-        let (mut height, mut sum) = (0.0, 0.0);
-        for view in views {
-            if let Some(own) = view.index(i) {
-                height += view.window.weight[i] * view.base[own];
-                sum += view.window.weight[i];
-            }
-        }
-        height / f64::max(sum, SURE)
-    };
-    (0..n).map(at).collect()
-}
-
-/// View and copy that give the detail at each vertex of the fill: of one view its own, of several by a graph cut,
-/// so that seams between windows, too, run where copies agree.
-fn choose(
-    domain: &Domain,
-    views: &[View<'_>],
-    base: &[f64],
-    check: &dyn Fn() -> Result<()>,
-) -> Result<Vec<Option<(usize, usize)>>> {
-    if let Some(view) = views.first().filter(|view| !view.window.is_part()) {
-        return Ok((0..base.len()).map(|i| Some((0, view.labels[view.index(i)?]))).collect());
-    }
-    let reaches = |w: usize, i: usize| views[w].window.weight[i] > FAR;
-    let mut all: Vec<(usize, usize)> = Vec::new();
-    for (w, view) in views.iter().enumerate() {
-        let mut own: Vec<usize> = view.labels.clone();
-        own.sort_unstable();
-        own.dedup();
-        all.extend(own.into_iter().map(|k| (w, k)));
-    }
-    let (mut unary, mut values) = (Vec::new(), Vec::new());
-    let edge = domain.edge;
-    for &(w, k) in &all {
-        let view = &views[w];
-        let height = |i: usize| match view.index(i) {
-            Some(own) => view.fitted.heights[k][view.window.domain.fill.start + own],
-            None => base[i],
-        };
-        let cost = |i: usize| match view.index(i).filter(|_| reaches(w, i)) {
-            Some(own) => {
-                let other = if view.labels[own] == k { 0.0 } else { OTHER * edge };
-                (height(i) - base[i]).abs() + other + ASIDE * edge * (1.0 - view.window.weight[i])
-            }
-            None => f64::INFINITY,
-        };
-        unary.push((0..base.len()).map(cost).collect::<Vec<f64>>());
-        values.push((0..base.len()).map(height).collect::<Vec<f64>>());
-    }
-    // Where no window reaches, the initial completion stays.
-    let is_bare = |i: usize| (0..views.len()).all(|w| !reaches(w, i));
-    unary.push((0..base.len()).map(|i| if is_bare(i) { 0.0 } else { f64::INFINITY }).collect());
-    values.push(vec![0.0; base.len()]);
-    let best = |i: usize| {
-        let cost = |l: &usize| unary[*l][i];
-        (0..unary.len()).min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(0)
-    };
-    let edges: Vec<(u32, u32)> = domain.fill_edges();
-    let energy = Energy { unary: &unary, values: &values, rows: (&[], 0), edges: &edges };
-    let start = (0..base.len()).map(best).collect();
-    let order: Vec<usize> = (0..unary.len()).collect();
-    let labels = energy.minimise(start, &order, check)?;
-    Ok(labels.into_iter().map(|l| all.get(l).copied()).collect())
 }
 
 /// Σ_fill 1/deg L_uᵀ L_u + deg `ratio`² over the vertices of a fill, by the neighbours of each.

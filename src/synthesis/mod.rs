@@ -15,6 +15,7 @@ pub mod hierarchy;
 pub mod join;
 pub mod labels;
 pub mod levels;
+pub mod overlap;
 pub mod project;
 pub mod quilt;
 pub mod quilt_cut;

@@ -6,8 +6,8 @@ use complete_mesh::intersect::Bvh;
 use complete_mesh::matching::rigid::Rigid;
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
 use complete_mesh::{
-    complete_mesh, complete_mesh_with, Completer, Completion, Error, Fairing, Grouping, MeshView,
-    Method, Monitor, Options, Selection, Sizing,
+    complete_mesh, complete_mesh_with, Completer, Completion, Error, Fairing, Grouping, Guidance,
+    MeshView, Method, Monitor, Options, Selection, Sizing,
 };
 use glam::{DMat3, DVec3};
 
@@ -310,6 +310,25 @@ fn flutes_are_continued() {
     assert!(ratios.iter().all(|&r| r < 0.1), "{ratios:?}");
 }
 
+/// Cracks are looked at through windows, whose copies go on across: what is worn by them repeats, and no smooth fill
+/// shows it.
+#[test]
+fn relief_goes_on_across_a_crack() {
+    for sample in [Sample::Column, Sample::Vessel, Sample::Relief] {
+        let whole = sample.build(120).unwrap();
+        let options = BreakOptions { kind: Break::Crack, seed: 1, size: 1.0 };
+        let left = break_mesh(sample, &whole, &options).unwrap().mesh;
+        let vertices = left.vertices.iter().map(|p| p.map(f64::from)).collect();
+        let left = Mesh { vertices, faces: left.faces };
+        let made = fill(&left, Method::Coherent);
+        assert!(made.holes.iter().all(|h| h.method == Method::Coherent), "{}", sample.name());
+        let [coherent, smooth] =
+            [made, fill(&left, Method::Smooth)].map(|made| rms_distance(&made, &whole));
+        println!("{}: {coherent:.1e}, smooth {smooth:.1e}", sample.name());
+        assert!(coherent < 0.8 * smooth, "{}: {coherent} {smooth}", sample.name());
+    }
+}
+
 /// Every sphere is like every other part of itself; and with nothing to continue no harm is done.
 #[test]
 fn a_plain_sphere_stays_one() {
@@ -388,7 +407,9 @@ fn what_was_asked_before_does_not_matter() {
     let fairing = Options { fairing: Fairing::C1, ..all.clone() };
     let fine = Options { sizing: Sizing::Scaled(0.8), ..all.clone() };
     let length = Options { sizing: Sizing::EdgeLength(0.05), ..fairing.clone() };
-    for asked in [&one, &all, &fairing, &fine, &one, &length, &all, &fine] {
+    let guidance = Guidance { candidate: 2, ..Guidance::default() };
+    let second = Options { guidance, ..all.clone() };
+    for asked in [&one, &all, &second, &fairing, &fine, &one, &length, &all, &fine] {
         let fresh = complete_mesh(&left.vertices[..], &left.faces[..], asked).unwrap();
         assert!(fresh.holes.iter().any(|h| h.method == Method::Coherent));
         assert!(same(&fresh, &kept.complete(asked, &silent).unwrap()), "{asked:?}");

@@ -64,6 +64,7 @@ fn a_twin_gives_back_a_missing_band() {
         let exemplar = Some(Arc::new(moved(twin, false)));
         let sources = Sources { exemplar, exemplar_only: true, ..Sources::default() };
         let made = complete_checked(&broken, &Options { sources, method, ..Options::default() });
+        assert!(made.holes[0].sources.len() < 2, "one place, said once");
         (off(&made, &whole), made.holes[0].confidence)
     };
     let (smooth, _) = by(&whole, Method::Smooth);
