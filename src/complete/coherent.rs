@@ -110,8 +110,9 @@ fn search_colours(
     let domain = domain_of(around, fill, library, patch, Extent::Found);
     let Some(domain) = domain.filter(|d| !d.is_slender()) else { return Ok(()) };
     let ring = domain.ring_points();
-    let found = find(&domain, Target { emphasis: EMPHASIS, ..domain.target(&ring) })?;
-    if !take_colours(story, &domain, library.source(), &found, rho, threads)? {
+    let target = || Target { emphasis: EMPHASIS, ..domain.target(&ring) };
+    let found = find(&domain, target())?;
+    if !take_colours(story, &domain, library, (&target(), &found), rho, threads, check)? {
         quilt_colours(story, &domain, library, rho, threads, check)?;
     }
     Ok(())
