@@ -61,6 +61,8 @@ struct Node {
 pub struct Blocks {
     nodes: Vec<Node>,
     groups: Vec<Group>,
+    /// By group, see [`Thinned::tints`]; empty without colours.
+    tints: Vec<Lanes>,
 }
 
 /// The blocks that a ball meets.
@@ -75,7 +77,7 @@ impl Blocks {
     /// Over points with unit normals.
     pub fn new(cloud: &Thinned, check: &dyn Fn() -> Result<()>) -> Result<Self> {
         let mut ids: Vec<u32> = (0..cloud.points.len() as u32).collect();
-        let mut blocks = Self { nodes: Vec::new(), groups: Vec::new() };
+        let mut blocks = Self { nodes: Vec::new(), groups: Vec::new(), tints: Vec::new() };
         if !ids.is_empty() {
             blocks.add(cloud, &mut ids, check)?;
         }
@@ -98,6 +100,11 @@ impl Blocks {
         if ids.len() <= MOST {
             ids.sort_unstable();
             self.groups.extend(ids.chunks(LANES).map(|ids| group(cloud, ids, lo)));
+            if let Some(all) = &cloud.tints {
+                let tint = |ids: &[u32], l: usize| ids.get(l).map_or(0.0, |&i| all[i as usize]);
+                let of_group = |ids: &[u32]| std::array::from_fn(|l| tint(ids, l) as f32);
+                self.tints.extend(ids.chunks(LANES).map(of_group));
+            }
             self.nodes[node].groups.end = self.groups.len() as u32;
         } else {
             if ids.len() > CHECKED {
@@ -133,15 +140,23 @@ impl Blocks {
         Near { centre, radius, nodes }
     }
 
-    /// Calls `visit` with each group of the blocks found, and its origin as seen from the ball's centre.
+    /// Calls `visit` with each group of the blocks found, its number, and its origin as seen from the ball's
+    /// centre.
     #[inline(always)]
-    pub fn visit(&self, near: &Near, mut visit: impl FnMut(&Group, [f32; 3])) {
+    pub fn visit(&self, near: &Near, mut visit: impl FnMut(&Group, usize, [f32; 3])) {
         for &node in &near.nodes {
             let node = &self.nodes[node as usize];
             let origin = (node.bounds.lo - near.centre).as_vec3().to_array();
-            let groups = node.groups.start as usize..node.groups.end as usize;
-            self.groups[groups].iter().for_each(|group| visit(group, origin));
+            let first = node.groups.start as usize;
+            let groups = &self.groups[first..node.groups.end as usize];
+            groups.iter().enumerate().for_each(|(k, group)| visit(group, first + k, origin));
         }
+    }
+
+    /// The tints of a group's points; `None` without colours.
+    #[inline(always)]
+    pub fn tints_of(&self, group: usize) -> Option<&Lanes> {
+        self.tints.get(group)
     }
 
     /// The sum of the normals of the points in a ball that are on the side of `normal`.
@@ -166,7 +181,7 @@ impl WithSimd for Normals<'_> {
         let side = self.side.as_vec3().to_array();
         let square = (self.near.radius * self.near.radius) as f32;
         let mut sums = [[0f32; LANES]; 3];
-        self.blocks.visit(self.near, |group, origin| {
+        self.blocks.visit(self.near, |group, _, origin| {
             for l in 0..LANES {
                 let [x, y, z] = [0, 1, 2].map(|k| group.at[k][l] + origin[k]);
                 let n = [0, 1, 2].map(|k| group.normal[k][l]);
@@ -217,7 +232,7 @@ mod tests {
                 points,
                 normals,
                 roughness: vec![0.0; count],
-                tints: None,
+                tints: Some((0..count).map(|i| i as f64).collect()),
                 completion: Vec::new(),
             };
             let Thinned { points, normals, .. } = &cloud;
@@ -226,10 +241,12 @@ mod tests {
                 let (centre, mut seen) = (at(k), Vec::new());
                 let near = blocks.near(centre, radius);
                 let mut sum = DVec3::ZERO;
-                blocks.visit(&near, |group, origin| {
+                blocks.visit(&near, |group, number, origin| {
+                    let tints = blocks.tints_of(number).unwrap();
                     for l in (0..LANES).filter(|&l| group.at[0][l] != FAR) {
                         let p = [0, 1, 2].map(|k| f64::from(group.at[k][l] + origin[k]));
                         let i = group.ids[l] as usize;
+                        assert_eq!(tints[l], i as f32);
                         assert!(DVec3::from(p).distance(points[i] - centre) < 1e-6);
                         seen.push(i);
                     }

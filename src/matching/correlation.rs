@@ -49,12 +49,12 @@ pub(super) struct SoFar {
     /// Of the target's moments where the source knows nothing.
     missing: Option<Box<[[f32; TURNS]; MOMENTS]>>,
     /// Of (tint of the target − of the source)².
-    pub(super) tints: [f32; ANGLES],
+    pub(super) tints: [f32; TURNS],
 }
 
 impl Default for SoFar {
     fn default() -> Self {
-        Self { with_height: [[0.0; TURNS]; 5], missing: None, tints: [0.0; ANGLES] }
+        Self { with_height: [[0.0; TURNS]; 5], missing: None, tints: [0.0; TURNS] }
     }
 }
 
@@ -73,13 +73,13 @@ impl SoFar {
         pulp::Arch::new().dispatch(Missing { sums: missing, bins: row, unknown: &unknown });
     }
 
-    pub(super) fn add_tints(&mut self, bins: &[Bin], tints: &[f32], [tint, known]: &[Twice; 2]) {
-        for (b, &t) in bins.iter().zip(tints) {
-            let (row, seen) = (&tint[b.r][b.a..][..ANGLES], &known[b.r][b.a..][..ANGLES]);
-            for (s, (x, k)) in self.tints.iter_mut().zip(row.iter().zip(seen)) {
-                *s += k * (t - x) * (t - x);
-            }
-        }
+    /// Adds a row's squared differences from the source's tints at each turn, where it knows something.
+    pub(super) fn add_tints(&mut self, row: &[Bin], tints: &[f32], of_source: &Twice, known: u64) {
+        let Some(first) = row.first() else { return };
+        let known =
+            (known != WHOLE).then(|| doubled(&std::array::from_fn(|a| (known >> a & 1) as f32)));
+        let (sums, source) = (&mut self.tints, &of_source[first.r]);
+        pulp::Arch::new().dispatch(Tints { sums, bins: row, tints, source, known: known.as_ref() });
     }
 
     /// At one turn, from those over the target's bins.
@@ -137,16 +137,13 @@ pub(super) type Twice = [[f32; ANGLES + TURNS]; RADII];
 pub(super) struct Doubled {
     pub(super) height: Twice,
     pub(super) known: [u64; RADII],
-    /// The tints, if there are colours, and 1 where they are known.
-    pub(super) tint: Option<Box<[Twice; 2]>>,
+    /// The tints, if there are colours.
+    pub(super) tint: Option<Box<Twice>>,
 }
 
 impl Doubled {
     pub(super) fn new(map: &HeightMap) -> Self {
-        let tint = |t: &[Row; RADII]| {
-            let seen = map.known.map(|bits| std::array::from_fn(|a| (bits >> a & 1) as f32));
-            Box::new([twice(t), twice(&seen)])
-        };
+        let tint = |t: &[Row; RADII]| Box::new(twice(t));
         Self { tint: map.tint.as_deref().map(tint), height: twice(&map.height), known: map.known }
     }
 }
@@ -222,9 +219,85 @@ impl WithSimd for Missing<'_> {
     }
 }
 
+/// The work of [`SoFar::add_tints`]. `known`: 1 where the source knows something; `None`: everywhere.
+struct Tints<'a> {
+    sums: &'a mut [f32; TURNS],
+    bins: &'a [Bin],
+    tints: &'a [f32],
+    source: &'a [f32; ANGLES + TURNS],
+    known: Option<&'a [f32; ANGLES + TURNS]>,
+}
+
+impl WithSimd for Tints<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sums, bins, tints, source, known } = self;
+        let mut all: [Lanes; TURNS / LANES] = std::array::from_fn(|k| lanes(sums, k * LANES));
+        for (b, &t) in bins.iter().zip(tints) {
+            let row: &[f32; TURNS] = array(source, b.a);
+            match known.map(|known| array::<TURNS>(known, b.a)) {
+                None => {
+                    for (k, sums) in all.iter_mut().enumerate() {
+                        for l in 0..LANES {
+                            let off = t - row[k * LANES + l];
+                            sums[l] += off * off;
+                        }
+                    }
+                }
+                Some(known) => {
+                    for (k, sums) in all.iter_mut().enumerate() {
+                        for l in 0..LANES {
+                            let off = t - row[k * LANES + l];
+                            sums[l] += known[k * LANES + l] * off * off;
+                        }
+                    }
+                }
+            }
+        }
+        sums.chunks_exact_mut(LANES).zip(&all).for_each(|(to, sums)| to.copy_from_slice(sums));
+    }
+}
+
+/// N numbers of a row: one look at its bounds for all of them.
+#[inline(always)]
+fn array<const N: usize>(row: &[f32], from: usize) -> &[f32; N] {
+    row[from..].first_chunk().expect("rows run on to whole lanes")
+}
+
 #[inline(always)]
 pub(super) fn lanes(row: &[f32], from: usize) -> Lanes {
     let mut out = [0.0; LANES];
     out.copy_from_slice(&row[from..from + LANES]);
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As one sum after another has it, at every turn, where all of a row is known and where some of it is.
+    #[test]
+    fn tints_are_compared_as_one_by_one() {
+        let noise = |k: usize| ((k * 7919) % 1009) as f32 / 1009.0 - 0.5;
+        let source: Row = std::array::from_fn(noise);
+        let angles = [0, 1, 7, 20, 35];
+        let row: Vec<Bin> = angles.map(|a| Bin { r: 3, a, moments: [0.0; MOMENTS] }).into();
+        let tints: Vec<f32> = (0..row.len()).map(|k| noise(k + 100)).collect();
+        let mut twice = [[0.0; ANGLES + TURNS]; RADII];
+        twice[3] = doubled(&source);
+        for known in [WHOLE, WHOLE & 0x5a5_f0f0_1234, 0] {
+            let mut so_far = SoFar::default();
+            so_far.add_tints(&row, &tints, &twice, known);
+            for turn in 0..ANGLES {
+                let one = |(b, t): (&Bin, &f32)| {
+                    let a = (b.a + turn) % ANGLES;
+                    (t - source[a]).powi(2) * (known >> a & 1) as f32
+                };
+                let sum: f32 = row.iter().zip(&tints).map(one).sum();
+                assert!((so_far.tints[turn] - sum).abs() < 1e-6, "{turn}");
+            }
+        }
+    }
 }

@@ -145,14 +145,16 @@ struct Sums {
 impl Sums {
     /// Adds points of a group to those of their bins.
     #[inline(always)]
-    fn add(&mut self, places: &Places, ids: &[u32; LANES], tints: Option<&Vec<f64>>) {
+    fn add(&mut self, places: &Places, tints: Option<&Lanes>) {
         for l in 0..LANES {
             let bin = places.bin[l] as usize;
             self.height[bin] += places.height[l];
             self.count[bin] += 1.0;
             self.roughness[l] += f64::from(places.roughness[l]);
-            if let (Some(tint), Some(tints)) = (&mut self.tint, tints) {
-                tint[bin] += tints[ids[l] as usize] as f32;
+        }
+        if let (Some(tint), Some(tints)) = (&mut self.tint, tints) {
+            for l in 0..LANES {
+                tint[places.bin[l] as usize] += tints[l];
             }
         }
     }
@@ -229,8 +231,7 @@ impl WithSimd for Adding<'_> {
         let axes = frame.axes.as_mat3().to_cols_array_2d();
         let (reach, ball) = (radius as f32, (near.radius * near.radius) as f32);
         let bins = (RADII as f64 / radius) as f32;
-        let tints = cloud.thinned.tints.as_ref();
-        cloud.blocks.visit(near, |group, origin| {
+        cloud.blocks.visit(near, |group, number, origin| {
             let mut places =
                 Places { bin: [0; LANES], height: [0.0; LANES], roughness: [0.0; LANES] };
             let (mut radius, mut turn, mut within) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
@@ -259,7 +260,7 @@ impl WithSimd for Adding<'_> {
             if group.is_completed {
                 sums.tell_completions(&mut places, &group.ids, cloud, without);
             }
-            sums.add(&places, &group.ids, tints);
+            sums.add(&places, cloud.blocks.tints_of(number));
         });
     }
 }

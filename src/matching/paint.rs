@@ -37,35 +37,37 @@ impl Paint {
     /// Of the vertices of a mesh, then of its exemplar. `None` if nothing steers or all is one colour.
     pub fn new(appearance: &Appearance) -> Option<Self> {
         let Appearance { channels, steering, values, exemplar_values } = appearance;
-        let pick = |row: &[f64]| row[..*steering].to_vec();
-        let of_mesh: Vec<f64> = values.chunks_exact(*channels).flat_map(pick).collect();
-        if *steering == 0 || of_mesh.is_empty() {
+        if *steering == 0 || values.len() < *channels {
             return None;
         }
-        let n = (of_mesh.len() / steering) as f64;
-        let mut mean = vec![0.0; *steering];
-        for row in of_mesh.chunks_exact(*steering) {
-            mean.iter_mut().zip(row).for_each(|(m, x)| *m += x / n);
-        }
+        let of_mesh = || values.chunks_exact(*channels);
+        let n = of_mesh().len() as f64;
+        let mean = |c: usize| of_mesh().map(|row| row[c] / n).sum::<f64>();
+        let mean: Vec<f64> = (0..*steering).map(mean).collect();
         let mut covariance = DMatrix::<f64>::zeros(*steering, *steering);
-        for row in of_mesh.chunks_exact(*steering) {
-            for a in 0..*steering {
-                for b in 0..*steering {
-                    covariance[(a, b)] += (row[a] - mean[a]) * (row[b] - mean[b]) / n;
-                }
+        for a in 0..*steering {
+            for b in a..*steering {
+                let product = |row: &[f64]| (row[a] - mean[a]) * (row[b] - mean[b]) / n;
+                covariance[(a, b)] = of_mesh().map(product).sum();
+                covariance[(b, a)] = covariance[(a, b)];
             }
         }
         let spread = covariance.trace().sqrt();
         // Less than this is rounding: one colour.
-        let greatest = of_mesh.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let most = |g: f64, row: &[f64]| row[..*steering].iter().fold(g, |g, x| g.max(x.abs()));
+        let greatest = of_mesh().fold(0.0, most);
         if !(spread.is_finite() && spread > 1e-9 * greatest) {
             return None;
         }
         let axes = covariance.symmetric_eigen();
         let axis = axes.eigenvectors.column(axes.eigenvalues.imax());
-        let all = of_mesh.into_iter().chain(exemplar_values.chunks_exact(*channels).flat_map(pick));
-        let rows: Vec<f64> =
-            all.enumerate().map(|(i, x)| (x - mean[i % steering]) / spread).collect();
+        let all = of_mesh().chain(exemplar_values.chunks_exact(*channels));
+        let mut rows = vec![0.0; all.clone().count() * steering];
+        for (to, row) in rows.chunks_exact_mut(*steering).zip(all) {
+            for c in 0..*steering {
+                to[c] = (row[c] - mean[c]) / spread;
+            }
+        }
         let along = |row: &[f64]| row.iter().zip(axis.iter()).map(|(x, a)| x * a).sum();
         let tint = rows.chunks_exact(*steering).map(along).collect();
         Some(Self { channels: *steering, rows, tint, slopes: Vec::new() })
@@ -78,18 +80,19 @@ impl Paint {
         let mut paint = self.clone();
         paint.rows.resize(n * self.channels, 0.0);
         paint.tint.resize(n, 0.0);
+        let mut counts = vec![1.0; n];
+        faces.iter().flatten().for_each(|&v| counts[v as usize] += 2.0);
+        let mut sums = paint.tint.clone();
         for _ in 0..ROUNDS {
-            let (mut sums, mut counts) = (paint.tint.clone(), vec![1.0; n]);
-            for face in faces {
-                for k in 0..3 {
-                    let [a, b] = [face[k] as usize, face[(k + 1) % 3] as usize];
-                    sums[a] += paint.tint[b];
-                    sums[b] += paint.tint[a];
-                    counts[a] += 1.0;
-                    counts[b] += 1.0;
-                }
+            for &[a, b, c] in faces {
+                let [a, b, c] = [a, b, c].map(|v| v as usize);
+                let [of_a, of_b, of_c] = [a, b, c].map(|v| paint.tint[v]);
+                sums[a] = sums[a] + of_b + of_c;
+                sums[b] = sums[b] + of_a + of_c;
+                sums[c] = sums[c] + of_b + of_a;
             }
-            paint.tint = sums.iter().zip(&counts).map(|(s, c)| s / c).collect();
+            sums.iter_mut().zip(&counts).for_each(|(s, c)| *s /= c);
+            paint.tint.copy_from_slice(&sums);
         }
         let (mut slopes, mut areas) = (vec![DVec3::ZERO; n], vec![0.0; n]);
         for face in faces {
@@ -98,9 +101,10 @@ impl Paint {
             let normal = (b - a).cross(c - a);
             let turn = t[0] * (c - b) + t[1] * (a - c) + t[2] * (b - a);
             let slope = normal.normalize_or_zero().cross(turn);
+            let area = normal.length();
             for &v in face {
                 slopes[v as usize] += slope;
-                areas[v as usize] += normal.length();
+                areas[v as usize] += area;
             }
         }
         paint.slopes =

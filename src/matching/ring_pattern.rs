@@ -179,9 +179,9 @@ impl RingPattern {
                 for r in rows..width.rows {
                     let row = &bins[self.rows[r]..self.rows[r + 1]];
                     so_far.add_missing(row, doubled.known[r]);
-                }
-                if let Some(tint) = &doubled.tint {
-                    so_far.add_tints(more, &self.tints[first..], tint);
+                    if let Some(tint) = &doubled.tint {
+                        so_far.add_tints(row, &self.tints[self.rows[r]..], tint, doubled.known[r]);
+                    }
                 }
                 (rows, first) = (width.rows, width.bins);
                 if width.is_useful() {
@@ -219,7 +219,7 @@ impl RingPattern {
             let Some((mut cost, plane)) = self.cost(&sums, width.bins) else { continue };
             if painted {
                 let off = f64::from(so_far.tints[turn]) / sums.n;
-                cost = cost.hypot(self.paint * off.sqrt());
+                cost = (cost * cost + self.paint * self.paint * off).sqrt();
             }
             *at = (cost, plane);
         }
@@ -290,15 +290,18 @@ pub fn blandness(target: f64, source: f64) -> f64 {
 /// Keeps the best that differ: what they lay over `centre` more than a quarter of `radius` apart, or
 /// turned by more than `turn` (Frobenius norm of the difference of the linear parts).
 pub fn keep_different(
-    mut all: Vec<Candidate>,
+    all: Vec<Candidate>,
     centre: DVec3,
     radius: f64,
     turn: f64,
     most: usize,
 ) -> Vec<Candidate> {
-    all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    // Their numbers are sorted: they themselves are large.
+    let mut order: Vec<u32> = (0..all.len() as u32).collect();
+    let cost = |i: &u32| all[*i as usize].cost;
+    order.sort_unstable_by(|a, b| cost(a).total_cmp(&cost(b)).then(a.cmp(b)));
     let mut kept: Vec<(Candidate, DVec3)> = Vec::new();
-    for m in all {
+    for m in order.into_iter().map(|i| all[i as usize]) {
         // What lies over the target's centre says where on the source we are.
         let place = m.transform.inverse().point(centre);
         let same = |k: &(Candidate, DVec3)| {

@@ -38,7 +38,8 @@ impl Effort {
     fn of(target: &Target<'_>, targets: usize) -> Self {
         let n = target.fill.len();
         match targets {
-            // Colours alone tell at a glance, and a few places of theirs are looked at.
+            // Colours alone tell at a glance, and a few places of theirs are looked at, see
+            // [`align_closely`].
             1 if target.emphasis > 1.0 => Self {
                 maps: (6 * n).max(LEAST_MAPS) / 2,
                 widths: &WIDTHS[..1],
@@ -159,7 +160,6 @@ fn align_all(
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Vec<Candidate>> {
     let coarse = thin_ring(target.ring, POINTS[0], &known.axes);
-    let fine = thin_ring(target.ring, POINTS[1], &known.axes);
     let (radius, paint) = (target.radius, target.emphasis * worth(source));
     // Aligned by one ring, judged by another.
     let improve = |c: &Candidate, by: &[RingPoint], judge: &[RingPoint], partner, steps, keep| {
@@ -179,6 +179,10 @@ fn align_all(
     let best = found.iter().map(|c| c.cost).fold(f64::INFINITY, f64::min);
     found.extend(images.into_iter().filter(|c| c.cost < IMAGE * best));
     let found = merge(found, target, effort.fine);
+    if target.emphasis > 1.0 {
+        return Ok(found);
+    }
+    let fine = thin_ring(target.ring, POINTS[1], &known.axes);
     let second = |i: usize| improve(&found[i], &fine, &fine, Partner::Surface, 15, KEEP);
     let found = parallel::map_part(found.len(), threads, &|part| check(0.4 + 0.4 * part), &second)?;
     let mut found = merge(found, target, effort.fine);
@@ -189,6 +193,22 @@ fn align_all(
     found.extend(variants);
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     Ok(found)
+}
+
+/// Some transforms aligned on the surface itself.
+pub fn align_closely(
+    known: &Source,
+    source: &Source,
+    target: &Target<'_>,
+    found: &[Rigid],
+    threads: usize,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Vec<Rigid>> {
+    let ring = thin_ring(target.ring, POINTS[1], &known.axes);
+    let paint = target.emphasis * worth(source);
+    let partner = Partner::Surface;
+    let pairing = Pairing { source, partner, radius: 0.5 * target.radius, keep: KEEP, paint };
+    parallel::map(found.len(), threads, check, &|i| align(&ring, found[i], 15, &pairing))
 }
 
 /// More alignments of the best copies (source to target, best first), for a hole where copies are to be
@@ -304,7 +324,7 @@ pub fn thin_ring(ring: &[RingPoint], most: usize, axes: &DMat3) -> Vec<RingPoint
         let cell = |p: DVec3| ((along * p - low) / width).to_array().map(|x| x as u32);
         let mut cells: Vec<([u32; 3], usize)> =
             ring.iter().enumerate().map(|(i, p)| (cell(p.0), i)).collect();
-        cells.sort();
+        cells.sort_unstable();
         cells.dedup_by_key(|c| c.0);
         if cells.len() <= most {
             return cells.iter().map(|c| ring[c.1]).collect();

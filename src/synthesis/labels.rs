@@ -105,7 +105,7 @@ impl Energy<'_> {
             let (a, b) = (labels[i as usize], labels[j as usize]);
             let both = self.seam(i, j, a, b);
             let only_j = self.seam(i, j, a, alpha);
-            let only_i = self.seam(i, j, alpha, b);
+            let only_i = if a == b { only_j } else { self.seam(i, j, alpha, b) };
             // θ(keep, keep) = both, θ(keep, take) = only_j, θ(take, keep) = only_i, θ(take, take) = 0.
             keep[i as usize] += both;
             take[i as usize] += only_i;

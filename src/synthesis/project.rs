@@ -87,7 +87,9 @@ pub fn project(domain: &Domain, source: &Source, transform: &Rigid) -> Option<Co
     Some(copy)
 }
 
-fn meet(domain: &Domain, source: &Source, back: &Rigid, v: usize, copy: &mut Copy) -> bool {
+/// Where a vertex's line meets the source, and how far from it, in mesh units. `back`: from the target to the
+/// source.
+pub fn place_of(domain: &Domain, source: &Source, back: &Rigid, v: usize) -> Option<(Place, f64)> {
     let origin = back.point(domain.sheet.positions[v]);
     let direction = back.direction(domain.directions[v]);
     // A reflection turns the corners' order around, not the outward normal.
@@ -97,15 +99,21 @@ fn meet(domain: &Domain, source: &Source, back: &Rigid, v: usize, copy: &mut Cop
         n.dot(direction) > facing * n.length() && !source.is_own(face)
     };
     let reach = REACH * domain.radius;
-    let Some((face, height)) = source.tree.meet_line(origin, direction, reach, accept) else {
-        return false;
-    };
-    let barycentric = source.barycentric(face, origin + height * direction);
+    let (face, height) = source.tree.meet_line(origin, direction, reach, accept)?;
+    Some((
+        Place { face, barycentric: source.barycentric(face, origin + height * direction) },
+        height,
+    ))
+}
+
+fn meet(domain: &Domain, source: &Source, back: &Rigid, v: usize, copy: &mut Copy) -> bool {
+    let Some((place, height)) = place_of(domain, source, back, v) else { return false };
+    let Place { face, barycentric } = place;
     copy.heights[v] = height;
     // Normals go by the inverse transpose, which differs where the copy is stretched.
     let normal = back.linear.transpose() * source.smooth_normal(face, barycentric);
     copy.normals[v] = normal.normalize_or_zero();
-    copy.places[v] = Some(Place { face, barycentric });
+    copy.places[v] = Some(place);
     true
 }
 

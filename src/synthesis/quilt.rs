@@ -18,6 +18,7 @@ use crate::matching::source::Source;
 use crate::mesh::normals::vertex_normals;
 use crate::parallel;
 use glam::{DMat3, DVec2, DVec3};
+use pulp::{Simd, WithSimd};
 use std::f64::consts::TAU;
 
 /// Distances and directions of a patch's samples; turns by one direction are tried.
@@ -193,9 +194,25 @@ impl<'a> Pieces<'a> {
                 patches.push((turn, flipped, x, w));
             }
         }
+        pulp::Arch::new().dispatch(Compared { pieces: &self.rows, patches: &patches })
+    }
+}
+
+/// The work of [`Pieces::best`], with the machine's own vector instructions. Patches: turn, whether reflected,
+/// values and weights.
+struct Compared<'a> {
+    pieces: &'a [Row],
+    patches: &'a [(usize, bool, Row, Row)],
+}
+
+impl WithSimd for Compared<'_> {
+    type Output = Option<Laid>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Option<Laid> {
         let mut best: Option<Laid> = None;
-        for (piece, row) in self.rows.iter().enumerate() {
-            for &(turn, flipped, ref x, ref w) in &patches {
+        for (piece, row) in self.pieces.iter().enumerate() {
+            for &(turn, flipped, ref x, ref w) in self.patches {
                 // Of equal ones the first.
                 let least = best.map_or(f32::INFINITY, |b| b.cost);
                 if let Some(cost) = difference(x, w, row, least) {
@@ -208,10 +225,11 @@ impl<'a> Pieces<'a> {
 }
 
 /// Σ w (x − s)², in lanes that the compiler keeps side by side; `None` if it is not less than `least`.
+#[inline(always)]
 fn difference(x: &Row, w: &Row, s: &Row, least: f32) -> Option<f32> {
     const LANES: usize = 8;
     const PART: usize = 2 * LANES;
-    let mut sums = [0.0; LANES];
+    let (mut sums, mut all) = ([0.0; LANES], 0.0);
     for part in (0..SAMPLES).step_by(PART) {
         for k in (part..part + PART).step_by(LANES) {
             for (i, sum) in sums.iter_mut().enumerate() {
@@ -219,11 +237,14 @@ fn difference(x: &Row, w: &Row, s: &Row, least: f32) -> Option<f32> {
                 *sum += w[k + i] * off * off;
             }
         }
-        if sums.iter().sum::<f32>() >= least {
+        // In halves, as the lanes do it best.
+        let four: [f32; LANES / 2] = std::array::from_fn(|i| sums[i] + sums[i + LANES / 2]);
+        all = (four[0] + four[2]) + (four[1] + four[3]);
+        if all >= least {
             return None;
         }
     }
-    Some(sums.iter().sum())
+    Some(all)
 }
 
 /// A hole that is being filled.
