@@ -1,4 +1,4 @@
-//! The tree of [`boxes`](super::boxes) over triangles, for overlap and closest-point queries and lines.
+//! The tree of `boxes` over triangles, for overlap and closest-point queries and lines.
 
 use super::boxes::{put_in_order, sort, Aabb, Item, Later, Node, Sorted, CHECKED, INNER, STACK};
 use super::triangle::Triangle;

@@ -1,4 +1,4 @@
-//! The nearest of many points: the tree of [`boxes`](crate::intersect::boxes) over them.
+//! The nearest of many points: the tree of `intersect::boxes` over them.
 //!
 //! Not `kiddo`, which `points` uses: a search that starts with a bound, as those of the alignment do, and one that
 //! shares its code with the triangles' tree, measurably decide the time of the search for sources.

@@ -45,7 +45,7 @@ pub struct Fitted {
     pub hidden: Vec<Hidden>,
 }
 
-/// Numbers of [`STIFFNESSES`]: of the copies and of the bare plate.
+/// Numbers of stiffnesses, the softest 0: of the copies and of the bare plate.
 pub type Chosen = [usize; 2];
 
 impl Fitted {
