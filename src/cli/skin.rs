@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 enum Drawn {
     Plain,
     Colour([u8; 3]),
-    Image(usize),
+    /// With scale and offset of the coordinates.
+    Image(usize, [[f64; 2]; 2]),
 }
 
 /// The materials that an OBJ file uses, with their images, read once.
@@ -77,7 +78,8 @@ impl Wardrobe {
                 }
             }
         });
-        at.map_or(Drawn::Plain, Drawn::Image)
+        let placed = [material.scale, material.offset];
+        at.map_or(Drawn::Plain, |image| Drawn::Image(image, placed))
     }
 
     /// What the faces of the document, or of its completion, wear, and what is missing for it.
@@ -109,8 +111,11 @@ impl Wardrobe {
             match (drawn, used.coordinates[f]) {
                 (Drawn::Plain, _) => Paint::None,
                 (Drawn::Colour(colour), _) => Paint::Colour(colour),
-                (Drawn::Image(image), Some(corners)) => Paint::Image { image, corners },
-                (Drawn::Image(_), None) => {
+                (Drawn::Image(image, [scale, offset]), Some(corners)) => {
+                    let place = |uv: [f64; 2]| [0, 1].map(|k| scale[k] * uv[k] + offset[k]);
+                    Paint::Image { image, corners: corners.map(place) }
+                }
+                (Drawn::Image(..), None) => {
                     bare.push(f as u32);
                     Paint::None
                 }

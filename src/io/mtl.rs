@@ -27,9 +27,13 @@ pub struct Material {
     pub name: String,
     /// The diffuse colour, `Kd`: red, green and blue from 0 to 1.
     pub colour: Option<[f64; 3]>,
-    /// The file of the diffuse colour's image, `map_Kd`, as it is written: beside the library. Options of
-    /// the line are left away.
+    /// The file of the diffuse colour's image, `map_Kd`, as it is written: beside the library.
     pub image: Option<String>,
+    /// How often the image repeats along u and v (`-s`), and where it begins (`-o`): it is read at
+    /// scale · (u, v) + offset. Other options of the line are left away.
+    pub scale: [f64; 2],
+    /// See `scale`.
+    pub offset: [f64; 2],
 }
 
 impl Material {
@@ -40,7 +44,9 @@ impl Material {
             let word = keyword(line.text).to_ascii_lowercase();
             match (&word[..], all.last_mut()) {
                 (b"newmtl", _) => {
-                    all.push(Material { name: rest(line.text), colour: None, image: None });
+                    let name = rest(line.text);
+                    let (colour, image, scale, offset) = (None, None, [1.0; 2], [0.0; 2]);
+                    all.push(Material { name, colour, image, scale, offset });
                 }
                 (b"kd", Some(material)) => {
                     let numbers: Vec<f64> =
@@ -49,7 +55,7 @@ impl Material {
                         material.colour = Some([r, g, b].map(|x| x.clamp(0.0, 1.0)));
                     }
                 }
-                (b"map_kd", Some(material)) => material.image = Some(image_name(line.text)),
+                (b"map_kd", Some(material)) => read_image(line.text, material),
                 _ => {}
             }
         }
@@ -64,10 +70,11 @@ fn rest(text: &[u8]) -> String {
     String::from_utf8_lossy(text[end..].trim_ascii()).into_owned()
 }
 
-/// The file's name in a map's line: what follows its options and their arguments.
-fn image_name(text: &[u8]) -> String {
+/// The file in a map's line, which follows its options and their arguments, and what these say of its place.
+fn read_image(text: &[u8], material: &mut Material) {
     let line = rest(text);
     let mut left = &line[..];
+    (material.scale, material.offset) = ([1.0; 2], [0.0; 2]);
     while left.starts_with('-') {
         let (option, mut after) = next_word(left);
         let (least, most) = match option {
@@ -79,15 +86,24 @@ fn image_name(text: &[u8]) -> String {
         };
         for i in 0..most {
             let (word, further) = next_word(after);
+            let number = word.parse::<f64>().ok();
             // Of two or three numbers the last ones may be left out.
-            if i >= least && word.parse::<f64>().is_err() {
+            if i >= least && number.is_none() {
                 break;
+            }
+            let placed = match option {
+                "-s" => material.scale.get_mut(i),
+                "-o" => material.offset.get_mut(i),
+                _ => None,
+            };
+            if let (Some(placed), Some(x)) = (placed, number.filter(|x| x.is_finite())) {
+                *placed = x;
             }
             after = further;
         }
         left = after;
     }
-    left.into()
+    material.image = Some(left.into());
 }
 
 fn next_word(text: &str) -> (&str, &str) {

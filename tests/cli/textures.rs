@@ -112,6 +112,24 @@ fn the_image_is_drawn_on_the_input_and_goes_on_over_the_fill() {
     check("JPEG");
 }
 
+/// Half an image further on, and twice as often: what was red is blue, and halves are halved.
+#[test]
+fn options_of_the_line_move_the_image() {
+    let place = folders();
+    place.write("in/square.obj", &square(HEAD, 0.0));
+    write_image(&place, "in/red_blue.png");
+    let draw = |options: &str| {
+        let line = format!("newmtl two colours\nmap_Kd {options} red_blue.png\n");
+        place.write("in/the square.mtl", &line);
+        fill(&place, "smooth");
+        [-200, -30, 30, 200].map(|x| is_blue(pixel(&place, 1, 1, x)))
+    };
+    assert_eq!(draw(""), [false, false, true, true]);
+    assert_eq!(draw("-o 0.5"), [true, true, false, false]);
+    let [a, b, c, d] = draw("-s 2 2");
+    assert!(a != b && c != d && a == c && b == d, "{a} {b} {c} {d}");
+}
+
 /// A flat fill may be copied from either side: it shows the part of the image that the written file says.
 #[test]
 fn a_copied_fill_shows_what_it_was_copied_from() {

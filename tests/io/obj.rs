@@ -143,9 +143,12 @@ fn material_libraries_are_read() {
         name: name.into(),
         colour,
         image: image.map(Into::into),
+        scale: [1.0; 2],
+        offset: [0.0; 2],
     };
+    let oak = of("dark oak", Some([0.5, 0.25, 1.0]), Some("oak bark.png"));
     let expected = [
-        of("dark oak", Some([0.5, 0.25, 1.0]), Some("oak bark.png")),
+        Material { scale: [2.0, 1.0], offset: [1.0, 2.0], ..oak },
         of("bare", None, None),
         of("odd", None, Some("-unknown y.png")),
     ];
