@@ -12,6 +12,7 @@
 use super::coloured::{lack, take_colours, EMPHASIS};
 use super::guided::{common, rank, transforms, Ranked};
 use super::library::Library;
+use super::long::complete_long;
 use super::quilted::quilt_colours;
 use super::smooth::{Fill, Story, Surroundings};
 use crate::error::Result;
@@ -31,7 +32,7 @@ use crate::synthesis::join::{join, places_beside, places_on_ring};
 use crate::synthesis::project::Place;
 use crate::synthesis::resemblance::coherence_error;
 use crate::synthesis::view::{look, View};
-use crate::synthesis::window::{one_window, plan_windows, Window};
+use crate::synthesis::window::{one_window, Window};
 use std::cell::Cell;
 use std::slice::from_ref;
 use std::sync::Arc;
@@ -150,11 +151,7 @@ fn complete_shape(
     let scope = Scope { around, library, guidance, candidates, threads, check, search, first };
     // In parts where the hole is long or bends around the object.
     let Some(whole) = one_window(&domain).filter(|_| !domain.is_slender()) else {
-        let Some(narrow) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
-        let windows = plan_windows(&narrow);
-        let scope = Scope { search: WINDOWS_SEARCH, first: 1.0, ..scope };
-        let views = scope.look_through(&windows, &windows)?;
-        return finish(&fill.patch, library.source(), &narrow, &views, &|| check(1.0));
+        return complete_long(&scope, fill);
     };
     let whole = [whole];
     let other = from.and_then(|fill| domain_of(&fill.patch, Extent::Whole));
@@ -205,9 +202,6 @@ pub struct Cost {
 
 /// Part of the two looks that the first takes: the second has more copies to look at.
 const FIRST_LOOK: f64 = 0.35;
-/// Part of a long hole's time, all its windows', that the search takes: 0.35 for wide bands to 0.85 for cracks.
-const WINDOWS_SEARCH: f64 = 0.55;
-
 impl Cost {
     /// Of a hole with so many new vertices; `area`: the object's, in squares of the hole's radius.
     pub fn of(vertices: usize, area: f64) -> Self {
@@ -228,21 +222,33 @@ impl Cost {
 }
 
 /// What all windows of a hole share.
-struct Scope<'a> {
-    around: &'a Surroundings<'a>,
-    library: &'a Library,
-    guidance: &'a Guidance,
-    candidates: &'a Cell<usize>,
-    threads: usize,
-    check: &'a dyn Fn(f64) -> Result<()>,
+#[derive(Clone, Copy)]
+pub struct Scope<'a> {
+    /// What is around the hole.
+    pub around: &'a Surroundings<'a>,
+    /// Where sources are.
+    pub library: &'a Library,
+    /// See [`Search`].
+    pub guidance: &'a Guidance,
+    /// See [`Search`].
+    pub candidates: &'a Cell<usize>,
+    /// Threads to use.
+    pub threads: usize,
+    /// Called with the part of the whole that is done.
+    pub check: &'a dyn Fn(f64) -> Result<()>,
     /// Where the search ends in the whole, and where the first look does.
-    search: f64,
-    first: f64,
+    pub search: f64,
+    /// See `search`.
+    pub first: f64,
 }
 
 impl Scope<'_> {
     /// Searches from some windows and looks through others, as many, at what each found.
-    fn look_through<'w>(&self, windows: &'w [Window], from: &[Window]) -> Result<Vec<View<'w>>> {
+    pub fn look_through<'w>(
+        &self,
+        windows: &'w [Window],
+        from: &[Window],
+    ) -> Result<Vec<View<'w>>> {
         let (source, threads) = (self.library.source(), self.threads);
         let rings: Vec<Vec<RingPoint>> = from.iter().map(|w| w.domain.ring_points()).collect();
         let targets: Vec<Target<'_>> =
@@ -313,16 +319,11 @@ impl Scope<'_> {
         }
         let views: Vec<View<'_>> =
             look(&window, source, &transforms, told, self.threads, &stop)?.into_iter().collect();
-        let made = finish(found, source, domain, &views, &|| stop(1.0))?;
-        let Some((patch, mut story)) = made else { return Ok(None) };
-        // What it was before is what it was before both looks.
-        if let (Some(both), Some(first)) = (&mut story.coherence_error, error) {
-            both[0] = first[0];
-        }
-        Ok(Some((patch, story)))
+        finish_again(found, source, domain, &views, error, &|| stop(1.0))
     }
 
-    fn roughness(&self, domain: &Domain) -> f64 {
+    /// See [`roughness`].
+    pub fn roughness(&self, domain: &Domain) -> f64 {
         roughness(self.around, self.library, domain)
     }
 }
@@ -336,7 +337,8 @@ pub fn roughness(around: &Surroundings<'_>, library: &Library, domain: &Domain) 
     domain.ring.iter().map(of).sum::<f64>() / domain.ring.len().max(1) as f64
 }
 
-fn finish(
+/// The surface that some views make of a patch, if they serve.
+pub fn finish(
     initial: &Patch,
     source: &Source,
     domain: &Domain,
@@ -356,6 +358,24 @@ fn finish(
     let coherence_error = Some([before, after]).filter(|e| e[0].is_finite());
     let story = tell(source, domain, views, &joined.labels);
     Ok(Some((patch, Story { coherence_error, ..story })))
+}
+
+/// The same of a second look; `error`: what the first says of the coherence error. What it was before is what it was
+/// before both looks.
+pub fn finish_again(
+    found: &Patch,
+    source: &Source,
+    domain: &Domain,
+    views: &[View<'_>],
+    error: Option<[f64; 2]>,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Option<(Patch, Story)>> {
+    let made = finish(found, source, domain, views, check)?;
+    let Some((patch, mut story)) = made else { return Ok(None) };
+    if let (Some(both), Some(first)) = (&mut story.coherence_error, error) {
+        both[0] = first[0];
+    }
+    Ok(Some((patch, story)))
 }
 
 /// A place that windows copy from.

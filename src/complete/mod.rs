@@ -12,6 +12,7 @@ mod guided;
 pub mod harary;
 mod initial;
 mod library;
+mod long;
 mod part;
 mod pulled;
 mod quilted;

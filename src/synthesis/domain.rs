@@ -39,6 +39,8 @@ pub enum Extent {
     Found,
     /// That of a window, where the hole is long and narrow.
     Narrow,
+    /// The same of a fill that is not the initial completion any more.
+    FoundNarrow,
 }
 
 /// The initial completion of one hole with the known ring around it.
@@ -96,7 +98,7 @@ impl Domain {
         let depth = depth(patch);
         let radius = match seen {
             Extent::Whole | Extent::Found => extent,
-            Extent::Narrow => extent.min(WINDOW * depth),
+            Extent::Narrow | Extent::FoundNarrow => extent.min(WINDOW * depth),
         };
         let rings = (RING * radius / edge).ceil() as usize + 2;
         let band = Band::grow(near, incidence, rim, rings);
@@ -122,7 +124,8 @@ impl Domain {
             sheet,
         };
         domain.ring = domain.find_ring();
-        domain.directions = domain.smooth_directions(seen == Extent::Found)?;
+        domain.directions =
+            domain.smooth_directions(matches!(seen, Extent::Found | Extent::FoundNarrow))?;
         Some(domain)
     }
 
