@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// A number from 0 to 1 that is always the same for the same seed.
-fn chance(seed: u64) -> f64 {
+pub(super) fn chance(seed: u64) -> f64 {
     let mut x = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
