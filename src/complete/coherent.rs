@@ -202,6 +202,7 @@ pub struct Cost {
 
 /// Part of the two looks that the first takes: the second has more copies to look at.
 const FIRST_LOOK: f64 = 0.35;
+
 impl Cost {
     /// Of a hole with so many new vertices; `area`: the object's, in squares of the hole's radius.
     pub fn of(vertices: usize, area: f64) -> Self {
