@@ -69,10 +69,13 @@ impl Fitted {
     }
 }
 
-/// Which stiffnesses are tried: all, or those next to what was chosen for nearly the same surface, and the plate's.
-fn tried(before: Option<Chosen>) -> Vec<usize> {
-    let near =
-        |s: &usize| before.is_none_or(|[copies, plate]| s.abs_diff(copies) < 2 || *s == plate);
+/// Which stiffnesses are tried: all, or what was chosen for nearly the same surface, that of several copies with those
+/// next to it (one that is alone was one of many when it was chosen).
+fn tried(before: Option<Chosen>, copies: usize) -> Vec<usize> {
+    let beside = usize::from(copies > 1);
+    let near = |s: &usize| {
+        before.is_none_or(|[chosen, plate]| s.abs_diff(chosen) <= beside || *s == plate)
+    };
     (0..STIFFNESSES.len()).filter(near).collect()
 }
 
@@ -95,7 +98,7 @@ pub fn fit(
         return Ok(None);
     }
     check(0.0)?;
-    let (groups, tried) = (HIDDEN.len(), tried(before));
+    let (groups, tried) = (HIDDEN.len(), tried(before, copies.len()));
     let one = |trial: usize| {
         let (stiffness, width) = (STIFFNESSES[tried[trial / groups]], HIDDEN[trial % groups]);
         hide(domain, copies, &energy, &weight, unit * stiffness, width)
