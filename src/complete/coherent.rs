@@ -48,8 +48,6 @@ pub const AGAIN: usize = 2;
 pub struct Search<'a> {
     /// The object.
     pub library: &'a Library,
-    /// The fill to look from, where that is not the one to be completed.
-    pub from: Option<&'a Fill>,
     /// What the caller says of it.
     pub guidance: &'a Guidance,
     /// Receives how many candidates there are, if one was asked for.
@@ -141,7 +139,7 @@ fn complete_shape(
     if fill.patch.new_count() < LEAST {
         return Ok(None);
     }
-    let &Search { library, from, guidance, candidates, threads } = search;
+    let &Search { library, guidance, candidates, threads } = search;
     let domain_of = |patch: &Patch, extent: Extent| domain_of(around, fill, library, patch, extent);
     let Some(domain) = domain_of(&fill.patch, Extent::Whole) else { return Ok(None) };
     // Parts of the whole by what the search and the two looks cost.
@@ -154,14 +152,12 @@ fn complete_shape(
         return complete_long(&scope, fill);
     };
     let whole = [whole];
-    let other = from.and_then(|fill| domain_of(&fill.patch, Extent::Whole));
-    let other = other.filter(|domain| !domain.is_slender()).and_then(|domain| one_window(&domain));
-    let views = scope.look_through(&whole, other.as_ref().map_or(&whole[..], from_ref))?;
+    let views = scope.look_through(&whole)?;
     let stop = || check(scope.first);
     let made = finish(&fill.patch, library.source(), &domain, &views, &stop)?;
     let Some((patch, story)) = made else { return Ok(None) };
     if views[0].doubt > 0.0 {
-        return Ok(Some((patch, story)));
+        return Ok(Some((patch, Story { doubt: views[0].doubt, ..story })));
     }
     // Again on the surface found: triangles where it is steep, lines that meet it at right angles.
     let mut finer = patch.clone();
@@ -211,6 +207,11 @@ impl Cost {
         Self { search: 0.03 + 3e-5 * maps + 1e-4 * n, looks: 0.01 + 6.5e-4 * n }
     }
 
+    /// Bringing a fill to so many vertices, see [`resize`](super::resized::resize).
+    pub fn of_resizing(vertices: f64) -> f64 {
+        4e-5 * vertices
+    }
+
     /// Making the library of a mesh, with its symmetries.
     pub fn of_library(vertices: usize) -> f64 {
         0.01 + 1.5e-6 * vertices as f64
@@ -244,16 +245,12 @@ pub struct Scope<'a> {
 }
 
 impl Scope<'_> {
-    /// Searches from some windows and looks through others, as many, at what each found.
-    pub fn look_through<'w>(
-        &self,
-        windows: &'w [Window],
-        from: &[Window],
-    ) -> Result<Vec<View<'w>>> {
+    /// Searches from some windows and looks through each at what was found.
+    pub fn look_through<'w>(&self, windows: &'w [Window]) -> Result<Vec<View<'w>>> {
         let (source, threads) = (self.library.source(), self.threads);
-        let rings: Vec<Vec<RingPoint>> = from.iter().map(|w| w.domain.ring_points()).collect();
+        let rings: Vec<Vec<RingPoint>> = windows.iter().map(|w| w.domain.ring_points()).collect();
         let targets: Vec<Target<'_>> =
-            from.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
+            windows.iter().zip(&rings).map(|(w, ring)| w.domain.target(ring)).collect();
         let check = |part: f64| (self.check)(part * self.search);
         let mut found = transforms(self.library, self.guidance, &targets, threads, &check)?;
         // A twin, or what is left of one, may have all of a long hole in one place.
@@ -267,22 +264,21 @@ impl Scope<'_> {
             let part = |part: f64| (i as f64 + part) / windows.len() as f64;
             let at = |p: f64| (self.check)(self.search + (self.first - self.search) * part(p));
             let roughness = self.roughness(&window.domain);
-            let ring = window.domain.ring_points();
-            let target = window.domain.target(&ring);
+            let target = &targets[i];
             let at_all = |check: &dyn Fn(f64) -> Result<()>| {
                 look(window, source, all, (roughness, None), threads, check)
             };
             let Some(place) = self.guidance.candidate.checked_sub(1) else {
                 let view = at_all(&at)?;
                 // Whoever then asks for one of them need not wait for this look.
-                rank(self.library, self.guidance, &target, || {
-                    Ok(Ranked::of(view.as_ref(), &target))
+                rank(self.library, self.guidance, target, || {
+                    Ok(Ranked::of(view.as_ref(), target))
                 })?;
                 views.extend(view);
                 continue;
             };
-            let ranked = rank(self.library, self.guidance, &target, || {
-                Ok(Ranked::of(at_all(&|_| at(0.0))?.as_ref(), &target))
+            let ranked = rank(self.library, self.guidance, target, || {
+                Ok(Ranked::of(at_all(&|_| at(0.0))?.as_ref(), target))
             })?;
             self.candidates.set(self.candidates.get().max(ranked.places.len()));
             if let Some(one) = ranked.places.get(place) {
@@ -474,5 +470,5 @@ pub fn tell(
     let confidence =
         origins.iter().map(|o| o.confidence).sum::<f64>() / origins.len().max(1) as f64;
     let (colours, coherence_error) = (Vec::new(), None);
-    Story { origins, colours, sources, seams, ring, confidence, coherence_error }
+    Story { origins, colours, sources, seams, ring, confidence, coherence_error, doubt: 0.0 }
 }

@@ -3,6 +3,7 @@
 
 use super::check::Obstacles;
 use super::coherent::{self, Cost, Search};
+use super::finished::{as_wanted, Finished};
 use super::harary::Initial;
 use super::library::Library;
 use super::pulled::pull_fill;
@@ -10,10 +11,11 @@ use super::smooth::{fill_hole, Fill, Surroundings};
 use super::together::initial_of;
 use super::{warp, workers, Completer, Outcome, LIBRARIES};
 use crate::error::Result;
+use crate::fill::outline::Outline;
 use crate::fill::patch::Patch;
 use crate::holes::Hole;
 use crate::mesh::neighbourhood::Bounds;
-use crate::options::{Appearance, Method, Options, Sources};
+use crate::options::{Appearance, Method, Options, Sizing, Sources};
 use crate::parallel::thread_count;
 use crate::progress::Monitor;
 use glam::DVec3;
@@ -77,7 +79,10 @@ impl Key {
 struct Begun {
     /// The fill, or why there is none.
     fill: std::result::Result<Fill, String>,
-    /// The one without options, where that is another: sources are looked for from it.
+    /// Whether that is the standard one and the caller wants another: it is continued, and what comes of it
+    /// made as the caller wants it.
+    is_standard: bool,
+    /// The standard one where the fill is another: others copy from it, so that they are the same then.
     standard: Option<Fill>,
     seconds: f64,
 }
@@ -93,8 +98,19 @@ impl Begun {
     }
 
     /// What its completion costs, about.
-    fn cost(&self) -> f64 {
-        Cost::of(self.new_vertices(), f64::INFINITY).all()
+    fn cost(&self, sizing: Sizing) -> f64 {
+        Cost::of(self.new_vertices(), f64::INFINITY).all() + self.cost_of_resizing(sizing)
+    }
+
+    /// The part of it that follows the search and the looks.
+    fn cost_of_resizing(&self, sizing: Sizing) -> f64 {
+        let Ok(fill) = &self.fill else { return 0.0 };
+        let factor = match sizing {
+            Sizing::Scaled(factor) if self.is_standard => factor,
+            Sizing::EdgeLength(length) if self.is_standard => length / fill.outline.mean_size(),
+            _ => return 0.0,
+        };
+        Cost::of_resizing(self.new_vertices() as f64 / factor.powi(2))
     }
 
     /// As it is.
@@ -124,7 +140,7 @@ impl Completer<'_> {
         if !call.copies() {
             return Ok((begun.into_iter().map(Begun::end).collect(), None));
         }
-        let costs: Vec<f64> = begun.iter().map(Begun::cost).collect();
+        let costs: Vec<f64> = begun.iter().map(|b| b.cost(call.options.sizing)).collect();
         let making = Cost::of_library(self.mesh.vertices.len());
         let made = middle + (span.1 - middle) * making / (making + costs.iter().sum::<f64>());
         let check = |part: f64| monitor.step(middle + (made - middle) * part, "looking around");
@@ -174,40 +190,57 @@ impl Completer<'_> {
         let clock = Instant::now();
         let &Call { around, options, holes, .. } = call;
         let (hole, points) = holes[i];
-        let local = |&v: &u32| around.near.local(v);
-        let loops: Option<Vec<Vec<u32>>> = hole
-            .loops
-            .iter()
-            .map(|&l| self.holes.loops[l].vertices.iter().map(local).collect())
-            .collect();
         // The neighbourhood holds every face that touches the rim's box.
-        let Some(loops) = loops else {
+        let Some(loops) = self.loops_of(around, hole) else {
             let fill = Err("its rim was not found again".into());
-            return Ok(Begun { fill, standard: None, seconds: 0.0 });
+            return Ok(Begun { fill, is_standard: false, standard: None, seconds: 0.0 });
         };
+        let mut is_standard = call.copies() && points.is_empty() && wants_another(around, &loops);
         let mut fill = match around.initial {
             _ if options.guidance.part => {
                 self.fill_with_part(around, obstacles, (hole, &loops), options, threads, check)?
             }
             Some(initial) => initial.fill_hole(around, &loops, obstacles, check)?,
+            None if is_standard => self.standard_fill(around, &loops, obstacles, check)?,
+            None if around.is_standard() => self.standard_fill(around, &loops, obstacles, check)?,
             None => fill_hole(around, &loops, obstacles, check)?,
         };
+        let mut standard = None;
+        // The caller's own may be fine enough.
+        if is_standard && !fill.as_ref().is_ok_and(|f| f.patch.new_count() >= coherent::LEAST) {
+            is_standard = false;
+            standard = fill.ok();
+            fill = fill_hole(around, &loops, obstacles, check)?;
+        }
         if let Ok(smooth) = &mut fill {
             let drawn = (points, options.guidance.softness);
             if let Err(why) = pull_fill(around, obstacles, smooth, drawn, check)? {
                 fill = Err(why);
             }
         }
-        // Sources are looked for from the same fill whatever the options: what was found is kept.
-        let own = around.initial.is_some() || around.is_standard();
-        let own = own || options.method == Method::Warp || !call.copies();
-        let standard = match &fill {
-            Ok(fill) if !own && around.is_near_standard(fill.outline.mean_size()) => {
-                fill_hole(&around.standard(), &loops, obstacles, check)?.ok()
-            }
-            _ => None,
-        };
-        Ok(Begun { fill, standard, seconds: clock.elapsed().as_secs_f64() })
+        Ok(Begun { fill, is_standard, standard, seconds: clock.elapsed().as_secs_f64() })
+    }
+
+    /// The standard fill of a hole, kept.
+    fn standard_fill(
+        &self,
+        around: &Surroundings<'_>,
+        loops: &[Vec<u32>],
+        obstacles: &Obstacles<'_>,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<std::result::Result<Fill, String>> {
+        let make = || fill_hole(&around.standard(), loops, obstacles, check);
+        match self.keeps && obstacles.others.is_empty() {
+            true => self.standards.find(around.near, loops, make),
+            false => make(),
+        }
+    }
+
+    /// The loops of a hole in neighbourhood vertices.
+    fn loops_of(&self, around: &Surroundings<'_>, hole: &Hole) -> Option<Vec<Vec<u32>>> {
+        let local = |&v: &u32| around.near.local(v);
+        let of = |&l: &usize| self.holes.loops[l].vertices.iter().map(local).collect();
+        hole.loops.iter().map(of).collect()
     }
 
     /// Continues a fill that was begun, from a library that all holes share.
@@ -223,23 +256,25 @@ impl Completer<'_> {
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<()> {
         let clock = Instant::now();
-        let &Call { around, options, holes, .. } = call;
-        let Begun { fill, standard, seconds } = begun;
-        if let Ok(smooth) = fill {
-            let (guidance, candidates) = (&options.guidance, &Cell::new(0));
-            let (library, from) = (&library.for_hole(i as u32), standard.as_ref());
-            let search = Search { library, from, guidance, candidates, threads };
-            self.continue_fill(around, obstacles, smooth, options.method, &search, check)?;
-            smooth.candidates = candidates.get();
+        let &Call { options, holes, .. } = call;
+        let (guidance, candidates) = (&options.guidance, &Cell::new(0));
+        let library = &library.for_hole(i as u32);
+        let search = Search { library, guidance, candidates, threads };
+        if begun.fill.is_ok() {
+            self.continue_fill(call, obstacles, i, begun, &search, check)?;
+        }
+        if let Ok(fill) = &mut begun.fill {
+            fill.candidates = candidates.get();
             // What was copied does not know of the points; a smooth fill went through them already.
-            if smooth.method != Method::Smooth {
+            if fill.method != Method::Smooth {
                 let drawn = (holes[i].1, guidance.softness);
-                if let Err(why) = pull_fill(around, obstacles, smooth, drawn, &|_| check(1.0))? {
-                    *fill = Err(why);
+                let pulled = pull_fill(call.around, obstacles, fill, drawn, &|_| check(1.0))?;
+                if let Err(why) = pulled {
+                    begun.fill = Err(why);
                 }
             }
         }
-        *seconds += clock.elapsed().as_secs_f64();
+        begun.seconds += clock.elapsed().as_secs_f64();
         Ok(())
     }
 
@@ -247,21 +282,67 @@ impl Completer<'_> {
     /// or the result meets something.
     fn continue_fill(
         &self,
-        around: &Surroundings<'_>,
+        call: &Call<'_>,
         obstacles: &Obstacles<'_>,
-        fill: &mut Fill,
-        method: Method,
+        i: usize,
+        begun: &mut Begun,
         search: &Search<'_>,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<()> {
-        let made = match method {
-            Method::Warp => warp::complete_hole(around, fill, search, check)?,
-            _ => coherent::complete_hole(around, fill, search, check)?,
+        let sizing = call.options.sizing;
+        let looks = 1.0 - begun.cost_of_resizing(sizing) / begun.cost(sizing);
+        let early = |part: f64| check(looks * part);
+        let Ok(fill) = &mut begun.fill else { return Ok(()) };
+        let (around, method) = (call.around, call.options.method);
+        let standard = around.standard();
+        let from = if begun.is_standard { &standard } else { around };
+        let asked = (method, search.guidance);
+        let make = || {
+            let made = match method {
+                Method::Warp => warp::complete_hole(from, fill, search, &early)?,
+                _ => coherent::complete_hole(from, fill, search, &early)?,
+            };
+            Ok(Finished { made, candidates: search.candidates.get() })
         };
-        let Some((patch, story)) = made else { return Ok(()) };
-        if let Ok(patch) = obstacles.settle(around, patch, &|| check(1.0))? {
-            fill.coherence_error = story.coherence_error;
-            (fill.patch, fill.story, fill.method) = (patch, Some(story), method);
+        let Finished { made, candidates } = match self.keeps {
+            true => search.library.kept.finished.find(around, fill, asked, make)?,
+            false => make()?,
+        };
+        search.candidates.set(candidates);
+        let stop = || check(looks);
+        // The caller's smooth fill.
+        let own = |around: &Surroundings<'_>| match self.loops_of(around, call.holes[i].0) {
+            Some(loops) => fill_hole(around, &loops, obstacles, &|_| stop()),
+            None => Ok(Err("its rim was not found again".into())),
+        };
+        let mut made = made;
+        if let Some(finished) = made.take_if(|_| begun.is_standard) {
+            let leans = finished.1.doubt > 0.0 && around.fairing != standard.fairing;
+            let sizing = standard.sizing;
+            let leant = match leans {
+                true => match own(&Surroundings { sizing, ..*around })? {
+                    Ok(own) => Some(own),
+                    Err(why) => {
+                        begun.fill = Err(why);
+                        return Ok(());
+                    }
+                },
+                false => None,
+            };
+            let source = search.library.source();
+            made =
+                as_wanted(finished, fill, leant.as_ref(), around, source, search.threads, &stop)?;
+            fill.fairing = leant.map_or(fill.fairing, |own| own.fairing);
+        }
+        if let Some((patch, story)) = made {
+            if let Ok(patch) = obstacles.settle(around, patch, &stop)? {
+                fill.coherence_error = story.coherence_error;
+                (fill.patch, fill.story, fill.method) = (patch, Some(story), method);
+                return Ok(());
+            }
+        }
+        if begun.is_standard {
+            begun.fill = own(around)?;
         }
         Ok(())
     }
@@ -314,4 +395,10 @@ impl Completer<'_> {
         kept.push_front((key(), library.clone()));
         Ok(library)
     }
+}
+
+/// Whether the caller wants another smooth fill than the standard one, and that has not many more vertices.
+fn wants_another(around: &Surroundings<'_>, loops: &[Vec<u32>]) -> bool {
+    let edge = || Outline::new(around.near, &around.incidence.get(), loops).mean_size();
+    around.initial.is_none() && !around.is_standard() && around.is_near_standard(edge())
 }

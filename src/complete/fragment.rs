@@ -204,5 +204,8 @@ fn tell(
     let confidence = origins.iter().map(|o| o.confidence).sum::<f64>() / new;
     let (seams, ring, coherence_error) = (Vec::new(), Vec::new(), None);
     let colours = Vec::new();
-    (patch, Story { origins, colours, sources, seams, ring, confidence, coherence_error })
+    (
+        patch,
+        Story { origins, colours, sources, seams, ring, confidence, coherence_error, doubt: 0.0 },
+    )
 }

@@ -1,6 +1,7 @@
 //! What a coherent completion of a mesh copies from, its height maps by scale, and the searches made in
 //! it: kept between the holes of a call, and between the calls of a completer.
 
+use super::finished::Completions;
 use super::guided::{guess_scales, Ranked, Transforms};
 use super::harary::Initial;
 use super::searches::Searches;
@@ -53,6 +54,8 @@ pub struct Kept {
     pub ranked: Searches<Arc<Ranked>>,
     /// The same by [`crate::Method::Warp`].
     pub warped: Searches<Arc<Vec<Rigid>>>,
+    /// Whole completions.
+    pub finished: Completions,
     features: Mutex<BTreeMap<(), Arc<Described>>>,
     symmetries: Mutex<BTreeMap<(), Arc<Vec<Rigid>>>>,
 }

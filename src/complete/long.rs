@@ -27,7 +27,7 @@ pub fn complete_long(scope: &Scope<'_>, fill: &Fill) -> Result<Option<(Patch, St
     let domain_of = |patch, extent| domain_of(scope.around, fill, scope.library, patch, extent);
     let Some(domain) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
     let windows = plan_windows(&domain);
-    let views = scope.look_through(&windows, &windows)?;
+    let views = scope.look_through(&windows)?;
     let stop = || (scope.check)(scope.first);
     let made = finish(&fill.patch, source, &domain, &views, &stop)?;
     let Some((patch, story)) = made else { return Ok(None) };

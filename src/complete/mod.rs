@@ -7,6 +7,7 @@ mod check;
 mod coherent;
 mod coloured;
 mod continued;
+mod finished;
 mod fragment;
 mod guided;
 pub mod harary;
@@ -16,6 +17,7 @@ mod long;
 mod part;
 mod pulled;
 mod quilted;
+mod resized;
 mod searches;
 mod smooth;
 mod together;
@@ -37,6 +39,7 @@ use assemble::{assemble, blank};
 use check::Rounding;
 use continued::{Call, Key};
 use cpu_time::ProcessTime;
+use finished::Standards;
 use glam::DVec3;
 use initial::InitialFaces;
 use library::Library;
@@ -86,8 +89,9 @@ pub fn complete_mesh_with(
     monitor: &Monitor,
 ) -> Result<Completion> {
     options.check()?;
-    // No second copy of the result for a redo that cannot come.
-    Completer::new(mesh, &options.grouping, monitor)?.complete_anew(options, monitor)
+    // No second copy of anything for a redo that cannot come.
+    let completer = Completer::new(mesh, &options.grouping, monitor)?;
+    Completer { keeps: false, ..completer }.complete_anew(options, monitor)
 }
 
 /// Keeps what is expensive and does not change between calls on one mesh: the checked arrays and
@@ -97,6 +101,10 @@ pub struct Completer<'a> {
     holes: HoleList,
     /// Whether the vertices are a cloud's points.
     of_points: bool,
+    /// Whether what it makes may be asked for again.
+    keeps: bool,
+    /// Smooth fills without options.
+    standards: Standards,
     /// Made when a coherent completion first asks for them: the last ones.
     libraries: Mutex<VecDeque<(Key, Arc<Library>)>>,
     /// The last results and what was asked for: a host that redoes, or goes back, need not wait. They are of new
@@ -119,6 +127,8 @@ impl<'a> Completer<'a> {
             mesh,
             holes,
             of_points: false,
+            keeps: true,
+            standards: Standards::default(),
             libraries: Mutex::default(),
             last: Mutex::default(),
             spent: (clock.elapsed(), cpu.elapsed()),

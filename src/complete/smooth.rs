@@ -97,6 +97,7 @@ impl Surroundings<'_> {
 const COARSEST: f64 = 2.0;
 
 /// A finished fill. New vertices lie where the caller's precision puts them.
+#[derive(Clone)]
 pub struct Fill {
     /// The rim.
     pub outline: Outline,
@@ -115,6 +116,7 @@ pub struct Fill {
 }
 
 /// Where a fill was continued from.
+#[derive(Clone)]
 pub struct Story {
     /// For each new vertex of the patch.
     pub origins: Vec<Origin>,
@@ -130,6 +132,9 @@ pub struct Story {
     pub confidence: f64,
     /// See [`crate::HoleReport::coherence_error`].
     pub coherence_error: Option<[f64; 2]>,
+    /// How far the shape leans on the smooth fill, whose vertices it then has: 0 not at all, 1 wherever no
+    /// copy says anything.
+    pub doubt: f64,
 }
 
 impl Story {
@@ -143,6 +148,7 @@ impl Story {
             ring: Vec::new(),
             confidence: 0.0,
             coherence_error: None,
+            doubt: 1.0,
         }
     }
 }

@@ -72,7 +72,7 @@ impl Task<'_> {
         let made = self.lay(&fill.patch, &whole, &window, &chosen)?;
         let Some(Laid { patch, story, view }) = made else { return Ok(None) };
         if view.doubt > 0.0 {
-            return Ok(Some((patch, story)));
+            return Ok(Some((patch, Story { doubt: view.doubt, ..story })));
         }
         // Again on the surface found: triangles where it is steep, lines that meet it at right angles.
         let mut finer = patch.clone();

@@ -6,6 +6,7 @@ use crate::mesh::neighbourhood::Neighbourhood;
 use glam::DVec3;
 
 /// The rim of one hole. Patch vertex i is neighbourhood vertex `vertices[i]`.
+#[derive(Clone)]
 pub struct Outline {
     /// Neighbourhood vertices of all loops, one after the other.
     pub vertices: Vec<u32>,

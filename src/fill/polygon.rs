@@ -47,6 +47,7 @@ impl Polygon {
 }
 
 /// A loop as the bridges see it: vertices and the normals of the faces at its edges.
+#[derive(Clone)]
 pub struct Rim {
     /// Patch vertices in the order in which a fill runs along them.
     pub vertices: Vec<u32>,

@@ -194,6 +194,20 @@ impl Source {
         }
     }
 
+    /// The other way round: a transform of the exemplar that an input face belongs to, as one of the source.
+    pub fn as_laid(&self, given: &Rigid, input_face: u32) -> Rigid {
+        match self.shifts.iter().rfind(|s| s.0 <= input_face) {
+            Some(&(_, by)) => given.after(&Rigid { translation: -by, ..Rigid::IDENTITY }),
+            None => *given,
+        }
+    }
+
+    /// The point of a face with such coordinates.
+    pub fn point(&self, face: u32, barycentric: [f64; 3]) -> DVec3 {
+        let corners = self.faces[face as usize].map(|v| self.positions[v as usize]);
+        (0..3).map(|k| barycentric[k] * corners[k]).sum()
+    }
+
     /// Whether a vertex lies on a boundary loop, or is completed in the hole that this is for.
     pub fn is_boundary(&self, v: u32) -> bool {
         self.on_boundary[v as usize]

@@ -90,20 +90,27 @@ pub fn project(domain: &Domain, source: &Source, transform: &Rigid) -> Option<Co
 /// Where a vertex's line meets the source, and how far from it, in mesh units. `back`: from the target to the
 /// source.
 pub fn place_of(domain: &Domain, source: &Source, back: &Rigid, v: usize) -> Option<(Place, f64)> {
-    let origin = back.point(domain.sheet.positions[v]);
-    let direction = back.direction(domain.directions[v]);
+    let (origin, direction) = (domain.sheet.positions[v], domain.directions[v]);
+    meet_source(source, back, (origin, direction), REACH * domain.radius)
+}
+
+/// The same of any line, from its origin along a unit vector to both sides.
+pub fn meet_source(
+    source: &Source,
+    back: &Rigid,
+    (origin, direction): (DVec3, DVec3),
+    reach: f64,
+) -> Option<(Place, f64)> {
+    let (origin, direction) = (back.point(origin), back.direction(direction));
     // A reflection turns the corners' order around, not the outward normal.
     let facing = FACING * size_change(back);
     let accept = |face: u32, t: &[DVec3; 3]| {
         let n = (t[1] - t[0]).cross(t[2] - t[0]);
         n.dot(direction) > facing * n.length() && !source.is_own(face)
     };
-    let reach = REACH * domain.radius;
     let (face, height) = source.tree.meet_line(origin, direction, reach, accept)?;
-    Some((
-        Place { face, barycentric: source.barycentric(face, origin + height * direction) },
-        height,
-    ))
+    let barycentric = source.barycentric(face, origin + height * direction);
+    Some((Place { face, barycentric }, height))
 }
 
 fn meet(domain: &Domain, source: &Source, back: &Rigid, v: usize, copy: &mut Copy) -> bool {

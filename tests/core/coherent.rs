@@ -407,13 +407,72 @@ fn what_was_asked_before_does_not_matter() {
     let fairing = Options { fairing: Fairing::C1, ..all.clone() };
     let fine = Options { sizing: Sizing::Scaled(0.8), ..all.clone() };
     let length = Options { sizing: Sizing::EdgeLength(0.05), ..fairing.clone() };
+    let warp = Options { method: Method::Warp, ..all.clone() };
+    let coarse = Options { sizing: Sizing::Scaled(1.5), fairing: Fairing::C0, ..warp.clone() };
     let guidance = Guidance { candidate: 2, ..Guidance::default() };
     let second = Options { guidance, ..all.clone() };
-    for asked in [&one, &all, &second, &fairing, &fine, &one, &length, &all, &fine] {
+    let order = [&one, &warp, &all, &second, &fairing, &coarse, &fine, &one, &length, &all, &fine];
+    for asked in order {
         let fresh = complete_mesh(&left.vertices[..], &left.faces[..], asked).unwrap();
-        assert!(fresh.holes.iter().any(|h| h.method == Method::Coherent));
+        assert!(fresh.holes.iter().any(|h| h.method == asked.method));
         assert!(same(&fresh, &kept.complete(asked, &silent).unwrap()), "{asked:?}");
     }
+}
+
+/// Triangles of another size show the same surface, told to come from the same places. Another fairing changes
+/// nothing where copies are trusted, and draws the fill to its own surface where they are doubted.
+#[test]
+fn another_size_or_fairing_is_the_same_completion() {
+    for (sample, kind) in [(Sample::Column, Break::Disc), (Sample::Relief, Break::Ragged)] {
+        let (whole, left) = broken(sample, kind, 1, 12.0);
+        let standard = complete_checked(&left, &Options::default());
+        let smooth = fill(&left, Method::Smooth);
+        let surface = fill_of(&left, &standard);
+        let edge = left.mean_edge();
+        let mean = |made: &Completion, to: &Bvh| {
+            let off = |p: DVec3| to.closest_point(p, f64::INFINITY).unwrap().distance;
+            points(made).map(off).sum::<f64>() / (edge * made.vertices.len() as f64)
+        };
+        let most = 0.25 * mean(&smooth, &surface);
+        for factor in [0.5, 1.5] {
+            let options = Options { sizing: Sizing::Scaled(factor), ..Options::default() };
+            let made = complete_checked(&left, &options);
+            let name = format!("{} {factor}", sample.name());
+            assert_eq!(made.holes[0].method, Method::Coherent, "{name}");
+            let count = made.vertices.len() as f64 / standard.vertices.len() as f64;
+            assert!((0.8..1.35).contains(&(count * factor * factor)), "{name}: {count}");
+            let off = mean(&made, &surface);
+            let (now, before) = (rms_distance(&made, &whole), rms_distance(&standard, &whole));
+            let (now, before) = (now / edge, before / edge);
+            println!("{name}: off {off:.4} of {most:.4}, from truth {now:.4}, before {before:.4}");
+            assert!(off < most, "{name}: {off}");
+            assert!(now < 1.15 * before + 0.05, "{name}: {now} {before}");
+            let of = |c: &Completion| -> Vec<_> {
+                c.holes[0].sources.iter().map(|s| (s.transform, s.weight)).collect()
+            };
+            assert_eq!(of(&made), of(&standard), "{name}");
+            let told = made.origins.iter().filter(|o| !o.is_nowhere()).count();
+            assert!(10 * told > 9 * made.origins.len(), "{name}: {told}");
+        }
+        let fairing = Fairing::C0;
+        let made = complete_checked(&left, &Options { fairing, ..Options::default() });
+        let trusted = sample == Sample::Column;
+        assert_eq!(same(&made, &standard), trusted, "{}", sample.name());
+        let tight = complete_checked(
+            &left,
+            &Options { fairing, method: Method::Smooth, ..Options::default() },
+        );
+        let tight = fill_of(&left, &tight);
+        assert!(trusted || mean(&made, &tight) < mean(&standard, &tight));
+        assert_eq!((&made.faces, &made.origins), (&standard.faces, &standard.origins));
+    }
+}
+
+/// The tree over the faces of a fill.
+fn fill_of(left: &Mesh, made: &Completion) -> Bvh {
+    let all = left.vertices.iter().chain(&made.vertices);
+    let all: Vec<DVec3> = all.map(|&p| DVec3::from(p)).collect();
+    Bvh::new(&all, &made.faces)
 }
 
 /// Stopped anywhere on the way; the same completer then still gives the whole result.

@@ -237,5 +237,5 @@ fn tell(wanted: &Wanted<'_>, cut: &Cut, gap_vertices: &[DVec3], transform: &Rigi
     };
     let (colours, seams, ring) = (Vec::new(), Vec::new(), Vec::new());
     let sources = vec![report];
-    Story { origins, colours, sources, seams, ring, confidence, coherence_error: None }
+    Story { origins, colours, sources, seams, ring, confidence, coherence_error: None, doubt: 0.0 }
 }
