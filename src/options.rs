@@ -71,7 +71,8 @@ pub enum GivenHole {
     },
 }
 
-/// The smooth surface that a hole is filled with, or that its coherent fill starts from.
+/// The smooth surface that a hole is filled with. A coherent or warped fill has it where nothing serves, leans on it
+/// where copies are doubted, and heeds it not at all where they are trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Fairing {

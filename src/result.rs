@@ -104,7 +104,8 @@ pub struct HoleReport {
     pub status: HoleStatus,
     /// The method that made the fill: a smooth one where nothing on the object served.
     pub method: Method,
-    /// The fairing of the initial completion; never `Auto` on a filled hole.
+    /// The fairing of the smooth fill that it is or comes from: the caller's where that has a say
+    /// ([`Fairing`]). Never `Auto` on a filled hole.
     pub fairing: Fairing,
     /// Where the fill was continued from, the greatest weight first; none for a smooth fill.
     pub sources: Vec<SourceReport>,
