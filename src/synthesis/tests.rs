@@ -210,7 +210,7 @@ fn nudged(angle: f64, by: DVec3) -> Rigid {
 }
 
 fn fitted(d: &Domain, copies: &[Copy]) -> Fitted {
-    fit(d, copies, None, 1, &|_| Ok(())).unwrap().unwrap()
+    fit(d, copies, None, None, 1, &|_| Ok(())).unwrap().unwrap()
 }
 
 #[test]
