@@ -364,7 +364,7 @@ fn windows_are_judged_by_the_whole() {
         d.ring.iter().for_each(|&v| copy.heights[v] += noise(v));
         let copies = [copy];
         let by = |plate| fit(d, &copies, plate, None, 1, &|_| Ok(())).unwrap().unwrap();
-        let [own, all] = [None, window.plate.as_ref()].map(|plate| by(plate));
+        let [own, all] = [None, window.plate.as_ref()].map(by);
         println!(
             "{:.1e}: own {:.1e}, whole {:.1e}",
             own.error[0], own.plate_error, all.plate_error
