@@ -12,7 +12,7 @@ use crate::progress::Pace;
 use crate::synthesis::domain::{Domain, Extent};
 use crate::synthesis::fit::Chosen;
 use crate::synthesis::view::{look, View};
-use crate::synthesis::window::{plan_windows, Window};
+use crate::synthesis::window::{judge_by_whole, plan_windows, Window};
 
 /// Where the search ends in such a hole's time, and where the first look does; measured on cracks and bands of the
 /// samples, of which the search takes 0.25 to 0.7.
@@ -26,7 +26,7 @@ pub fn complete_long(scope: &Scope<'_>, fill: &Fill) -> Result<Option<(Patch, St
     let source = scope.library.source();
     let domain_of = |patch, extent| domain_of(scope.around, fill, scope.library, patch, extent);
     let Some(domain) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
-    let windows = plan_windows(&domain);
+    let windows = windows_of(&scope, &domain, 0.0)?;
     let views = scope.look_through(&windows)?;
     let stop = || (scope.check)(scope.first);
     let made = finish(&fill.patch, source, &domain, &views, &stop)?;
@@ -38,11 +38,18 @@ pub fn complete_long(scope: &Scope<'_>, fill: &Fill) -> Result<Option<(Patch, St
     let Some(domain) = domain_of(&finer, Extent::FoundNarrow) else {
         return Ok(Some((patch, story)));
     };
-    let windows = plan_windows(&domain);
+    let windows = windows_of(&scope, &domain, scope.first)?;
     let again = look_along(&scope, &windows, &views)?;
     let stop = || (scope.check)(1.0);
     let second = finish_again(&finer, source, &domain, &again, story.coherence_error, &stop)?;
     Ok(second.or(Some((patch, story))))
+}
+
+/// The windows of a long fill, judged by all of it. `done`: part of the whole time that is over.
+fn windows_of(scope: &Scope<'_>, domain: &Domain, done: f64) -> Result<Vec<Window>> {
+    let mut windows = plan_windows(domain);
+    judge_by_whole(&mut windows, domain, scope.threads, &|| (scope.check)(done))?;
+    Ok(windows)
 }
 
 /// Looks through windows at what was seen through those nearby.

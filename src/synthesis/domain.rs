@@ -51,7 +51,8 @@ pub struct Domain {
     pub laplacian: Laplacian,
     /// Unit lines, outward.
     pub directions: Vec<DVec3>,
-    /// Distance of each known vertex from the rim along edges, in mesh units; 0 inside.
+    /// Distance of each known vertex from the rim along edges, in mesh units; 0 inside. In a window from the rim of
+    /// what it shows of the fill.
     pub rim_distance: Vec<f64>,
     /// Neighbourhood vertex of each known vertex, by (sheet vertex − patch vertices); the rim's
     /// are the first of the band.
@@ -60,6 +61,10 @@ pub struct Domain {
     pub ring: Vec<usize>,
     /// Whether all triangles around a vertex are in the domain.
     pub complete: Vec<bool>,
+    /// Whether the edge of a window cuts off some of the fill's triangles around a vertex.
+    pub cut: Vec<bool>,
+    /// How much of what is found is used at each vertex: 1, in a window less towards its edge.
+    pub say: Vec<f64>,
     /// Vertices of the fill: `rim_count..patch_count` of the sheet.
     pub fill: std::ops::Range<usize>,
     /// The length that all widths are measured in, in mesh units: the greatest distance of a fill
@@ -105,12 +110,15 @@ impl Domain {
         let sheet = Sheet::new(patch, &band, near);
         let laplacian = Laplacian::new(&sheet.positions, &sheet.triangles, Weights::Cotangent);
         let rim_distance = distances(&sheet);
-        let complete = (0..sheet.positions.len()).map(|v| sheet.is_complete(v)).collect();
+        let complete: Vec<bool> =
+            (0..sheet.positions.len()).map(|v| sheet.is_complete(v)).collect();
         let mut domain = Self {
             directions: Vec::new(),
             rim_distance,
             band: band.vertices,
             ring: Vec::new(),
+            cut: vec![false; complete.len()],
+            say: vec![1.0; complete.len()],
             complete,
             fill,
             radius,
@@ -180,6 +188,21 @@ impl Domain {
         edges
     }
 
+    /// Distance of each known vertex along edges from that part of the rim that the fill touches; 0 in the fill.
+    fn distance_from_fill(&self) -> Vec<f64> {
+        let sheet = &self.sheet;
+        let band = &sheet.triangles[sheet.triangles.len() - sheet.band_face_count..];
+        let mut start = vec![false; sheet.rim_count];
+        for v in self.fill.clone() {
+            let rim = self.laplacian.row(v).map(|(w, _)| w).filter(|&w| w < self.fill.start);
+            rim.for_each(|w| start[w] = true);
+        }
+        let start = (0..sheet.rim_count).filter(|&v| start[v]);
+        let mut distance = from_rim(&sheet.positions, band, start);
+        distance[self.fill.clone()].fill(0.0);
+        distance
+    }
+
     fn find_ring(&self) -> Vec<usize> {
         let width = RING * self.radius;
         let of_ring = |&v: &usize| {
@@ -213,13 +236,19 @@ impl Domain {
         members.iter().enumerate().for_each(|(i, &v)| number[v] = i as u32);
         let mut complete: Vec<bool> = members.iter().map(|&v| self.complete[v]).collect();
         let keep = |t: &[u32; 3]| t.iter().all(|&v| number[v as usize] != u32::MAX);
-        for tri in self.sheet.triangles.iter().filter(|t| !keep(t)) {
+        let mut cut = vec![false; members.len()];
+        let band_start = self.sheet.triangles.len() - self.sheet.band_face_count;
+        for (i, tri) in self.sheet.triangles.iter().enumerate().filter(|(_, t)| !keep(t)) {
             for v in tri.map(|v| number[v as usize]).into_iter().filter(|&v| v != u32::MAX) {
                 complete[v as usize] = false;
+                cut[v as usize] |= i < band_start;
             }
         }
         let pick = |t: &[u32; 3]| t.map(|v| number[v as usize]);
-        let band_start = self.sheet.triangles.len() - self.sheet.band_face_count;
+        let say = |&v: &usize| {
+            let off = self.sheet.positions[v].distance(centre) / radius;
+            (1.0 - off * off).max(0.0).powi(2)
+        };
         let (patch, band) = self.sheet.triangles.split_at(band_start);
         let mut triangles: Vec<[u32; 3]> = patch.iter().filter(|t| keep(t)).map(pick).collect();
         let patch_faces = triangles.len();
@@ -247,6 +276,8 @@ impl Domain {
             band,
             ring: Vec::new(),
             complete,
+            cut,
+            say: members.iter().map(say).collect(),
             fill: sheet.rim_count..sheet.patch_count,
             radius,
             extent: radius,
@@ -258,6 +289,9 @@ impl Domain {
             sheet,
         };
         part.ring = part.find_ring();
+        if part.cut.contains(&true) {
+            part.rim_distance = part.distance_from_fill();
+        }
         (part, members)
     }
 
@@ -275,7 +309,7 @@ impl Domain {
         }
     }
 
-    /// L M⁻¹ L over complete rows: the thin plate's energy, lower triangle.
+    /// L M⁻¹ L over complete rows, and those that a window cuts: the thin plate's energy, lower triangle.
     pub fn plate_energy(&self) -> Symmetric {
         Symmetric::from_columns(self.plate_columns())
     }
@@ -286,7 +320,7 @@ impl Domain {
         let n = self.sheet.positions.len();
         let mut columns: Vec<Vec<(u32, f64)>> = (0..n).map(|v| vec![(v as u32, 0.0)]).collect();
         for i in 0..n {
-            if !self.complete[i] && self.is_known(i) {
+            if !self.complete[i] && self.is_known(i) && !self.cut[i] {
                 continue;
             }
             let row = || std::iter::once((i, l.diagonal[i])).chain(l.row(i).map(|(k, w)| (k, -w)));
@@ -334,19 +368,23 @@ impl Domain {
 /// Distance of each known vertex from the rim along edges; 0 in the fill.
 fn distances(sheet: &Sheet) -> Vec<f64> {
     let band = &sheet.triangles[sheet.triangles.len() - sheet.band_face_count..];
-    let mut distance = from_rim(&sheet.positions, band, sheet.rim_count);
+    let mut distance = from_rim(&sheet.positions, band, 0..sheet.rim_count);
     distance[sheet.rim_count..sheet.patch_count].fill(0.0);
     distance
 }
 
 /// Greatest distance from the rim to a fill vertex along edges: half the width of a long hole.
 pub fn depth(patch: &Patch) -> f64 {
-    let distance = from_rim(&patch.positions, &patch.triangles, patch.rim_count);
+    let distance = from_rim(&patch.positions, &patch.triangles, 0..patch.rim_count);
     distance.into_iter().filter(|d| d.is_finite()).fold(0.0, f64::max)
 }
 
-/// Dijkstra from the first `rim` vertices along the triangles' edges.
-fn from_rim(positions: &[DVec3], triangles: &[[u32; 3]], rim: usize) -> Vec<f64> {
+/// Dijkstra from some vertices along the triangles' edges.
+fn from_rim(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+    rim: impl Iterator<Item = usize>,
+) -> Vec<f64> {
     let n = positions.len();
     let mut links: Vec<Vec<u32>> = vec![Vec::new(); n];
     for tri in triangles {
@@ -357,7 +395,7 @@ fn from_rim(positions: &[DVec3], triangles: &[[u32; 3]], rim: usize) -> Vec<f64>
     }
     let mut distance = vec![f64::INFINITY; n];
     let mut heap = BinaryHeap::new();
-    for v in 0..rim {
+    for v in rim {
         distance[v] = 0.0;
         heap.push((Reverse(0), v));
     }

@@ -18,9 +18,14 @@ use super::factor::Symmetric;
 use super::project::Copy;
 use crate::error::Result;
 use crate::parallel;
+use std::sync::Arc;
 
 /// λ in units of 0.01 R⁴: from C1-like to nearly rigid.
 const STIFFNESSES: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
+/// Which of them are tried for the plate over a whole long hole: of all seven it nearly always took one of these.
+const PLATES: [usize; 2] = [0, 3];
+/// An error greater than any, whose square is a number still.
+const UNTRIED: f64 = 1e100;
 /// Widths of the inner ring that is hidden, in hole radii, one after the other. Hiding whole sectors
 /// instead asks for extrapolation, which the fill never does, and chose far too stiff.
 const HIDDEN: [f64; 2] = [0.2, 0.3];
@@ -79,29 +84,30 @@ fn tried(before: Option<Chosen>, copies: usize) -> Vec<usize> {
     (0..STIFFNESSES.len()).filter(near).collect()
 }
 
-/// Fits all copies with one stiffness. `before`: what was chosen in an earlier look. `Ok(None)` if a system cannot be factored.
+/// Fits all copies with one stiffness. `plate`: what the copies are judged by, if that is not the domain's own bare
+/// plate. `before`: what was chosen in an earlier look. `Ok(None)` if a system cannot be factored.
 pub fn fit(
     domain: &Domain,
     copies: &[Copy],
+    plate: Option<&Plate>,
     before: Option<Chosen>,
     threads: usize,
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<Option<Fitted>> {
-    let n = domain.sheet.positions.len();
-    let unit = 0.01 * domain.radius.powi(4);
-    let mut energy = domain.plate_energy();
-    let mut weight = vec![0.0; n];
-    domain.ring.iter().for_each(|&v| weight[v] = domain.laplacian.mass[v]);
-    check(0.0)?;
-    // Warms up the ordering, which all workers then share.
-    if domain.ring.is_empty() || energy.factor(unit * STIFFNESSES[3], &weight).is_none() {
-        return Ok(None);
-    }
-    check(0.0)?;
     let (groups, tried) = (HIDDEN.len(), tried(before, copies.len()));
+    let Some((mut energy, weight)) = system(domain, domain.radius, &|| check(0.0))? else {
+        return Ok(None);
+    };
+    let unit = unit(domain.radius);
     let one = |trial: usize| {
-        let (stiffness, width) = (STIFFNESSES[tried[trial / groups]], HIDDEN[trial % groups]);
-        hide(domain, copies, &energy, &weight, unit * stiffness, width)
+        let (stiffness, width) = (tried[trial / groups], trial % groups);
+        let reach = HIDDEN[width] * domain.radius;
+        let stiff = unit * STIFFNESSES[stiffness];
+        let mut hidden = hide(domain, (copies, plate.is_none()), &energy, &weight, stiff, reach)?;
+        if let Some(plate) = plate {
+            hidden.errors.push(plate.errors(domain, stiffness, width));
+        }
+        Some(hidden)
     };
     let errors = parallel::map_part(tried.len() * groups, threads, check, &one)?;
     let Some(mut errors) = errors.into_iter().collect::<Option<Vec<Hidden>>>() else {
@@ -134,9 +140,82 @@ pub fn fit(
     Ok(Some(fitted))
 }
 
+/// What the bare plate over a whole long hole says where the ring was hidden: a window's own is cut off where the
+/// window ends, and lies far off there.
+pub struct Plate {
+    /// Error by stiffness (see [`PLATES`]), then width, then vertex of the whole domain.
+    errors: Arc<Vec<Vec<f64>>>,
+    /// Vertex of the whole domain of each of the window's.
+    parent: Vec<usize>,
+}
+
+impl Plate {
+    /// Over a domain. `radius`: that of its windows. `Ok(None)` if a system cannot be factored.
+    pub fn of(
+        domain: &Domain,
+        radius: f64,
+        threads: usize,
+        check: &dyn Fn() -> Result<()>,
+    ) -> Result<Option<Self>> {
+        let Some((energy, weight)) = system(domain, radius, check)? else { return Ok(None) };
+        let one = |trial: usize| {
+            let (stiffness, width) = (PLATES[trial / HIDDEN.len()], trial % HIDDEN.len());
+            let (stiff, reach) = (unit(radius) * STIFFNESSES[stiffness], HIDDEN[width] * radius);
+            let made = hide(domain, (&[], true), &energy, &weight, stiff, reach)?;
+            let mut errors = vec![0.0; weight.len()];
+            hidden_ring(domain, reach).zip(&made.errors[0]).for_each(|(v, e)| errors[v] = *e);
+            Some(errors)
+        };
+        let trials = PLATES.len() * HIDDEN.len();
+        let errors = parallel::map_part(trials, threads, &|_| check(), &one)?;
+        let errors: Option<Vec<Vec<f64>>> = errors.into_iter().collect();
+        Ok(errors.map(|errors| Self { errors: Arc::new(errors), parent: Vec::new() }))
+    }
+
+    /// Where a window's ring was hidden; [`UNTRIED`] at other stiffnesses.
+    fn errors(&self, window: &Domain, stiffness: usize, width: usize) -> Vec<f64> {
+        let all = PLATES.iter().position(|&s| s == stiffness);
+        let all = all.map(|s| &self.errors[s * HIDDEN.len() + width]);
+        let of_vertex = |v: usize| all.map_or(UNTRIED, |all| all[self.parent[v]]);
+        hidden_ring(window, HIDDEN[width] * window.radius).map(of_vertex).collect()
+    }
+
+    /// As a window sees it, whose vertices are those of the whole domain.
+    pub fn seen(&self, parent: &[usize]) -> Self {
+        Self { errors: self.errors.clone(), parent: parent.to_vec() }
+    }
+}
+
+/// What stiffnesses are multiplied by.
+fn unit(radius: f64) -> f64 {
+    0.01 * radius.powi(4)
+}
+
+/// The plate's energy and the weight of each known vertex.
+fn system(
+    domain: &Domain,
+    radius: f64,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<Option<(Symmetric, Vec<f64>)>> {
+    let mut energy = domain.plate_energy();
+    let mut weight = vec![0.0; domain.sheet.positions.len()];
+    domain.ring.iter().for_each(|&v| weight[v] = domain.laplacian.mass[v]);
+    check()?;
+    // Warms up the ordering, which all workers then share.
+    let usable =
+        !domain.ring.is_empty() && energy.factor(unit(radius) * STIFFNESSES[3], &weight).is_some();
+    check()?;
+    Ok(usable.then_some((energy, weight)))
+}
+
+/// The part of the ring that is hidden.
+fn hidden_ring(domain: &Domain, reach: f64) -> impl Iterator<Item = usize> + '_ {
+    domain.ring.iter().copied().filter(move |&v| domain.rim_distance[v] < reach)
+}
+
 /// What was predicted where the ring was hidden.
 pub struct Hidden {
-    /// Weight (mass) of each hidden vertex.
+    /// Weight of each hidden vertex: mass times say.
     weights: Vec<f64>,
     /// Error at each hidden vertex by copy, the bare plate last.
     errors: Vec<Vec<f64>>,
@@ -157,33 +236,27 @@ fn pool(hidden: &[Hidden], count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The ring up to `width` hole radii from the rim hidden from the fit at one stiffness.
+/// The ring up to `reach` from the rim hidden from the fit at one stiffness; the bare plate, too, if wanted.
 fn hide(
     domain: &Domain,
-    copies: &[Copy],
+    (copies, plate): (&[Copy], bool),
     energy: &Symmetric,
     weight: &[f64],
     stiffness: f64,
-    width: f64,
+    reach: f64,
 ) -> Option<Hidden> {
+    let hidden: Vec<usize> = hidden_ring(domain, reach).collect();
     let mut seen = weight.to_vec();
-    let mut hidden = Vec::new();
-    for &v in &domain.ring {
-        if domain.rim_distance[v] < width * domain.radius {
-            seen[v] = 0.0;
-            hidden.push(v);
-        }
-    }
+    hidden.iter().for_each(|&v| seen[v] = 0.0);
     let mut columns = mismatches(domain, copies, &seen);
     let positions = &domain.sheet.positions;
-    for d in 0..3 {
+    for d in (0..3).filter(|_| plate) {
         let from_centre = |v: usize| seen[v] * (positions[v] - domain.centre)[d];
         columns.push((0..positions.len()).map(from_centre).collect());
     }
     energy.factored(stiffness, &seen)?.solve(&mut columns);
-    let plate = copies.len();
     let off_plate = |&v: &usize| {
-        let predicted = glam::DVec3::from([0, 1, 2].map(|d| columns[plate + d][v]));
+        let predicted = glam::DVec3::from([0, 1, 2].map(|d| columns[copies.len() + d][v]));
         (positions[v] - domain.centre - predicted).dot(domain.directions[v])
     };
     let mut errors: Vec<Vec<f64>> = copies
@@ -191,8 +264,10 @@ fn hide(
         .zip(&columns)
         .map(|(copy, d)| hidden.iter().map(|&v| -copy.heights[v] - d[v]).collect())
         .collect();
-    errors.push(hidden.iter().map(off_plate).collect());
-    let weights = hidden.iter().map(|&v| domain.laplacian.mass[v]).collect();
+    if plate {
+        errors.push(hidden.iter().map(off_plate).collect());
+    }
+    let weights = hidden.iter().map(|&v| domain.laplacian.mass[v] * domain.say[v]).collect();
     Some(Hidden { weights, errors })
 }
 

@@ -7,7 +7,7 @@ use super::project::{project, Copy};
 use super::rank::{known_normals, score, weights, Scores};
 use super::view::{look, View};
 use super::warp::warp;
-use super::window::{one_window, plan_windows, Window};
+use super::window::{judge_by_whole, one_window, plan_windows, Window};
 use crate::descriptor::curvature::tests::grid;
 use crate::error::Error;
 use crate::fill::patch::Patch;
@@ -210,7 +210,7 @@ fn nudged(angle: f64, by: DVec3) -> Rigid {
 }
 
 fn fitted(d: &Domain, copies: &[Copy]) -> Fitted {
-    fit(d, copies, None, 1, &|_| Ok(())).unwrap().unwrap()
+    fit(d, copies, None, None, 1, &|_| Ok(())).unwrap().unwrap()
 }
 
 #[test]
@@ -345,6 +345,34 @@ fn windows_end_tamely() {
         let most = farthest(&made.heights[0][d.fill.clone()]);
         println!("{most:.1e}");
         assert!(most < 0.02, "{most}");
+    }
+}
+
+/// A window onto a plain tube ends where its fill still bends away, and its own plate is far off there; the plate over
+/// the whole band is not. So a copy of noise is believed by the one and not by the other.
+#[test]
+fn windows_are_judged_by_the_whole() {
+    let object = tube();
+    let source = object.source(&Rigid::IDENTITY);
+    let whole = object.domain(Extent::Narrow, flat);
+    let mut windows = plan_windows(&whole);
+    judge_by_whole(&mut windows, &whole, 1, &|| Ok(())).unwrap();
+    for window in &windows {
+        let d = &window.domain;
+        let mut copy = project(d, &source, &Rigid::IDENTITY).unwrap();
+        let noise = |v: usize| 0.01 * (((v * 37 + 5) % 23) as f64 / 11.0 - 1.0);
+        d.ring.iter().for_each(|&v| copy.heights[v] += noise(v));
+        let copies = [copy];
+        let by = |plate| fit(d, &copies, plate, None, 1, &|_| Ok(())).unwrap().unwrap();
+        let [own, all] = [None, window.plate.as_ref()].map(by);
+        println!(
+            "{:.1e}: own {:.1e}, whole {:.1e}",
+            own.error[0], own.plate_error, all.plate_error
+        );
+        assert_eq!(own.error, all.error);
+        assert!(own.error[0] < 0.02, "where it has a say the copy is off by the noise, no more");
+        assert!(all.plate_error < 0.004 && all.trust(&[1.0]).1 > 1.5);
+        assert!(own.plate_error > 5.0 * all.plate_error && own.trust(&[1.0]).1 < 1.0);
     }
 }
 

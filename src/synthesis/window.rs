@@ -2,6 +2,8 @@
 //! bends around the object (cracks, missing bands).
 
 use super::domain::Domain;
+use super::fit::Plate;
+use crate::error::Result;
 use glam::DVec3;
 
 /// Windows overlap so that every fill vertex lies within this part of a window's radius.
@@ -19,6 +21,8 @@ pub struct Window {
     pub parent: Vec<usize>,
     /// Where the window is in the fill: weight of each fill vertex of the whole, 0 to 1.
     pub weight: Vec<f64>,
+    /// What the bare plate over the whole hole says, if the window is [judged](judge_by_whole) by it.
+    pub plate: Option<Plate>,
     first: usize,
 }
 
@@ -43,7 +47,7 @@ pub fn one_window(domain: &Domain) -> Option<Window> {
     let Domain { radius, extent, centre, .. } = *domain;
     let part = Domain { radius, extent, centre, ..part }.with_ring();
     let weight = vec![1.0; domain.fill.len()];
-    Some(Window { domain: part, parent, weight, first: domain.fill.start })
+    Some(Window { domain: part, parent, weight, plate: None, first: domain.fill.start })
 }
 
 fn is_bent(domain: &Domain) -> bool {
@@ -74,6 +78,21 @@ pub fn plan_windows(domain: &Domain) -> Vec<Window> {
     }
 }
 
+/// Has the windows of a domain judged by the bare plate over all of it; their own are cut off where they end.
+pub fn judge_by_whole(
+    windows: &mut [Window],
+    domain: &Domain,
+    threads: usize,
+    check: &dyn Fn() -> Result<()>,
+) -> Result<()> {
+    let Some(radius) = windows.first().map(|window| window.domain.radius) else { return Ok(()) };
+    let plate = Plate::of(domain, radius, threads, check)?;
+    for window in windows {
+        window.plate = plate.as_ref().map(|plate| plate.seen(&window.parent));
+    }
+    Ok(())
+}
+
 fn make_window(domain: &Domain, at: usize, radius: f64) -> Window {
     let (part, parent) = domain.window(at, radius);
     let mut weight = vec![0.0; domain.fill.len()];
@@ -82,5 +101,5 @@ fn make_window(domain: &Domain, at: usize, radius: f64) -> Window {
         // Falls smoothly to (almost) nothing, so that no seam shows where a window ends.
         weight[parent[v] - domain.fill.start] = (1.0 - off * off).max(1e-6).powi(2);
     }
-    Window { domain: part, parent, weight, first: domain.fill.start }
+    Window { domain: part, parent, weight, plate: None, first: domain.fill.start }
 }

@@ -329,6 +329,27 @@ fn relief_goes_on_across_a_crack() {
     }
 }
 
+/// A missing band is seen in parts. A plain one is best filled smoothly, and no copy must be believed because a part's
+/// own bare plate, cut off where the part ends, is far off there; flutes go on all around.
+#[test]
+fn bands_are_continued_where_there_is_something_to_continue() {
+    for (sample, seeds, most) in [(Sample::Leg, 1..5, 1.1), (Sample::Column, 1..5, 0.7)] {
+        let whole = sample.build(80).unwrap();
+        let (mut coherent, mut smooth) = (0.0, 0.0);
+        for seed in seeds {
+            let options = BreakOptions { kind: Break::Ring, seed, size: 1.0 };
+            let left = break_mesh(sample, &whole, &options).unwrap().mesh;
+            let vertices = left.vertices.iter().map(|p| p.map(f64::from)).collect();
+            let left = Mesh { vertices, faces: left.faces };
+            let both = [Method::Coherent, Method::Smooth]
+                .map(|method| rms_distance(&fill(&left, method), &whole));
+            println!("{} {seed}: {:.1e}, smooth {:.1e}", sample.name(), both[0], both[1]);
+            (coherent, smooth) = (coherent + both[0], smooth + both[1]);
+        }
+        assert!(coherent < most * smooth, "{}: {coherent} {smooth}", sample.name());
+    }
+}
+
 /// Every sphere is like every other part of itself; and with nothing to continue no harm is done.
 #[test]
 fn a_plain_sphere_stays_one() {
