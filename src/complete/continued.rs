@@ -385,11 +385,15 @@ impl Completer<'_> {
             kept.swap(0, place);
             return Ok(kept[0].1.clone());
         }
+        let like = kept.iter().find(|k| k.0.is(&k.0.sources, appearance, fills));
+        let like = like.map(|k| k.1.clone());
         kept.truncate(LIBRARIES - 1);
-        let rims = self.rims();
-        let library = match fills.is_empty() {
-            true => Library::new(self.mesh, &rims, sources, appearance.as_deref(), check)?,
-            false => Library::completed(self.mesh, &rims, fills, !sources.unmirrored, check)?,
+        let (rims, mirrored, paint) = (self.rims(), !sources.unmirrored, appearance.as_deref());
+        let library = match (&like, fills.is_empty()) {
+            (_, true) => Library::new(self.mesh, &rims, sources, paint, like.as_deref(), check)?,
+            // Of all sources, too: fills are shared then only.
+            (Some(like), false) => like.with_mirrored(mirrored),
+            (None, false) => Library::completed(self.mesh, &rims, fills, mirrored, check)?,
         };
         let library = Arc::new(library);
         kept.push_front((key(), library.clone()));

@@ -44,7 +44,7 @@ pub struct Library {
 pub struct Kept {
     maps: Mutex<BTreeMap<i32, Arc<Maps>>>,
     /// Of what is known, and of what was chosen.
-    clouds: [Mutex<BTreeMap<i32, Arc<Cloud>>>; 2],
+    clouds: [Clouds; 2],
     /// On such a cloud of the source, so far apart.
     centres: Mutex<BTreeMap<(i32, u64), Arc<Thinned>>>,
     found: Searches<Found>,
@@ -60,6 +60,9 @@ pub struct Kept {
     symmetries: Mutex<BTreeMap<(), Arc<Vec<Rigid>>>>,
 }
 
+/// By scale.
+type Clouds = Arc<Mutex<BTreeMap<i32, Arc<Cloud>>>>;
+
 /// What signatures are taken of: all that is known, and what was chosen of it and of exemplars.
 pub struct Described {
     /// Of [`Library::known`].
@@ -72,12 +75,14 @@ pub struct Described {
 pub type Found = Arc<Vec<Vec<Candidate>>>;
 
 impl Library {
-    /// Of a mesh with these boundary vertices; maps are made when a hole first asks for them.
+    /// Of a mesh with these boundary vertices; maps are made when a hole first asks for them. `like`: one of the same
+    /// mesh with the same colours, of other sources.
     pub fn new(
         mesh: MeshView<'_>,
         boundary: &[u32],
         sources: &Sources,
         appearance: Option<&Appearance>,
+        like: Option<&Self>,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<Self> {
         let rims = || boundary.iter().copied();
@@ -87,14 +92,29 @@ impl Library {
         let early = |part: f64| check(first * part);
         let late = |part: f64| check(first + (1.0 - first) * part);
         let chosen = of_part.then(|| Source::chosen(mesh, rims(), sources, &early)).transpose()?;
-        let known = Source::new(mesh, rims(), &late)?.painted(&paint);
-        Ok(Self {
+        let known = match like {
+            Some(like) => like.known.clone(),
+            None => Source::new(mesh, rims(), &late)?.painted(&paint),
+        };
+        let made = Self {
             guesses: guess_scales(known.area, sources.exemplar.as_deref()),
             known,
             chosen: chosen.map(|s| s.painted(&paint)),
             mirrored: !sources.unmirrored,
             kept: Arc::default(),
-        })
+        };
+        Ok(like.map_or(made.clone(), |like| made.beside(like)))
+    }
+
+    /// With what is kept of the same known surface.
+    fn beside(self, other: &Self) -> Self {
+        let clouds = [other.kept.clouds[0].clone(), Clouds::default()];
+        Self { kept: Arc::new(Kept { clouds, ..Kept::default() }), ..self }
+    }
+
+    /// The same with mirrored copies or without.
+    pub fn with_mirrored(&self, mirrored: bool) -> Self {
+        Self { mirrored, ..self.clone() }.beside(self)
     }
 
     /// Of a mesh with completions of several of its holes, each with a number; each hole may copy from

@@ -7,7 +7,7 @@ use complete_mesh::matching::rigid::Rigid;
 use complete_mesh::sample::{break_mesh, Break, BreakOptions, Sample, SampleMesh};
 use complete_mesh::{
     complete_mesh, complete_mesh_with, Completer, Completion, Error, Fairing, Grouping, Guidance,
-    MeshView, Method, Monitor, Options, Selection, Sizing,
+    MeshView, Method, Monitor, Options, Selection, Sizing, Sources,
 };
 use glam::{DMat3, DVec3};
 
@@ -415,8 +415,8 @@ fn a_completer_gives_the_same_again() {
     assert!(same(&first, &fresh));
 }
 
-/// What a completer keeps of other calls changes nothing: one hole and then all, another fairing,
-/// smaller triangles.
+/// What a completer keeps of other calls changes nothing: one hole and then all, another fairing, smaller triangles,
+/// other sources.
 #[test]
 fn what_was_asked_before_does_not_matter() {
     let (_, left) = broken(Sample::Torus, Break::Several, 1, 8.0);
@@ -432,7 +432,14 @@ fn what_was_asked_before_does_not_matter() {
     let coarse = Options { sizing: Sizing::Scaled(1.5), fairing: Fairing::C0, ..warp.clone() };
     let guidance = Guidance { candidate: 2, ..Guidance::default() };
     let second = Options { guidance, ..all.clone() };
-    let order = [&one, &warp, &all, &second, &fairing, &coarse, &fine, &one, &length, &all, &fine];
+    let of = |sources: Sources| Options { sources, ..all.clone() };
+    let plain = of(Sources { unmirrored: true, ..Sources::default() });
+    let faces = (0..left.faces.len()).map(|f| f % 2 == 0 || f > 100).collect();
+    let part = of(Sources { faces: Some(faces), ..Sources::default() });
+    let order = [
+        &one, &warp, &all, &plain, &second, &fairing, &part, &coarse, &fine, &one, &length, &all,
+        &fine, &plain, &part,
+    ];
     for asked in order {
         let fresh = complete_mesh(&left.vertices[..], &left.faces[..], asked).unwrap();
         assert!(fresh.holes.iter().any(|h| h.method == asked.method));
