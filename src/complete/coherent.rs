@@ -10,6 +10,7 @@
 //!   averages of positions (Eq. 5 and 6) lose the detail.
 
 use super::coloured::{lack, take_colours, EMPHASIS};
+use super::cost::Cost;
 use super::guided::{common, rank, transforms, Ranked};
 use super::library::Library;
 use super::long::complete_long;
@@ -142,10 +143,8 @@ fn complete_shape(
     let &Search { library, guidance, candidates, threads } = search;
     let domain_of = |patch: &Patch, extent: Extent| domain_of(around, fill, library, patch, extent);
     let Some(domain) = domain_of(&fill.patch, Extent::Whole) else { return Ok(None) };
-    // Parts of the whole by what the search and the two looks cost.
     let cost = Cost::of(domain.fill.len(), library.known.area / domain.radius.powi(2));
-    let search = cost.search / cost.all();
-    let first = search + FIRST_LOOK * (1.0 - search);
+    let [search, first] = cost.parts();
     let scope = Scope { around, library, guidance, candidates, threads, check, search, first };
     // In parts where the hole is long or bends around the object.
     let Some(whole) = one_window(&domain).filter(|_| !domain.is_slender()) else {
@@ -185,41 +184,6 @@ pub fn take_density(patch: &mut Patch, view: &View<'_>, source: &Source) {
             let length = scale * source.length_at(place.face, place.barycentric);
             *wanted = length.clamp(FINER * *wanted, *wanted);
         }
-    }
-}
-
-/// What a hole costs, about, in seconds of some machine: for the progress. Fitted to seven holes of 158 to
-/// 6,434 new vertices; `examples/coherent_cost.rs` says how true it is.
-pub struct Cost {
-    search: f64,
-    /// Two looks.
-    looks: f64,
-}
-
-/// Part of the two looks that the first takes: the second has more copies to look at.
-const FIRST_LOOK: f64 = 0.35;
-
-impl Cost {
-    /// Of a hole with so many new vertices; `area`: the object's, in squares of the hole's radius.
-    pub fn of(vertices: usize, area: f64) -> Self {
-        let n = vertices as f64;
-        let maps = (10.0 * n).clamp(400.0, 4000.0).min(11.0 * area);
-        Self { search: 0.03 + 3e-5 * maps + 1e-4 * n, looks: 0.01 + 6.5e-4 * n }
-    }
-
-    /// Bringing a fill to so many vertices, see [`resize`](super::resized::resize).
-    pub fn of_resizing(vertices: f64) -> f64 {
-        4e-5 * vertices
-    }
-
-    /// Making the library of a mesh, with its symmetries.
-    pub fn of_library(vertices: usize) -> f64 {
-        0.01 + 1.5e-6 * vertices as f64
-    }
-
-    /// All of it.
-    pub fn all(&self) -> f64 {
-        self.search + self.looks
     }
 }
 

@@ -2,12 +2,13 @@
 //! from there, when all smooth fills are there to copy from.
 
 use super::check::Obstacles;
-use super::coherent::{self, Cost, Search};
+use super::coherent::{self, Search};
+use super::cost::{cost_of, Cost};
 use super::finished::{as_wanted, Finished};
 use super::harary::Initial;
 use super::library::Library;
 use super::pulled::pull_fill;
-use super::smooth::{fill_hole, Fill, Surroundings};
+use super::smooth::{fill_hole, Fill, Story, Surroundings};
 use super::together::initial_of;
 use super::{warp, workers, Completer, Outcome, LIBRARIES};
 use crate::error::Result;
@@ -99,7 +100,8 @@ impl Begun {
 
     /// What its completion costs, about.
     fn cost(&self, sizing: Sizing) -> f64 {
-        Cost::of(self.new_vertices(), f64::INFINITY).all() + self.cost_of_resizing(sizing)
+        let of_fill = |fill: &Fill| cost_of(&fill.patch);
+        self.fill.as_ref().map_or(0.0, of_fill) + self.cost_of_resizing(sizing)
     }
 
     /// The part of it that follows the search and the looks.
@@ -289,53 +291,35 @@ impl Completer<'_> {
         search: &Search<'_>,
         check: &dyn Fn(f64) -> Result<()>,
     ) -> Result<()> {
-        let sizing = call.options.sizing;
+        let (around, sizing) = (call.around, call.options.sizing);
         let looks = 1.0 - begun.cost_of_resizing(sizing) / begun.cost(sizing);
-        let early = |part: f64| check(looks * part);
-        let Ok(fill) = &mut begun.fill else { return Ok(()) };
-        let (around, method) = (call.around, call.options.method);
-        let standard = around.standard();
-        let from = if begun.is_standard { &standard } else { around };
-        let asked = (method, search.guidance);
-        let make = || {
-            let made = match method {
-                Method::Warp => warp::complete_hole(from, fill, search, &early)?,
-                _ => coherent::complete_hole(from, fill, search, &early)?,
-            };
-            Ok(Finished { made, candidates: search.candidates.get() })
-        };
-        let Finished { made, candidates } = match self.keeps {
-            true => search.library.kept.finished.find(around, fill, asked, make)?,
-            false => make()?,
-        };
-        search.candidates.set(candidates);
-        let stop = || check(looks);
-        // The caller's smooth fill.
+        let (early, stop) = (|part: f64| check(looks * part), || check(looks));
         let own = |around: &Surroundings<'_>| match self.loops_of(around, call.holes[i].0) {
             Some(loops) => fill_hole(around, &loops, obstacles, &|_| stop()),
             None => Ok(Err("its rim was not found again".into())),
         };
-        let mut made = made;
+        let Ok(fill) = &mut begun.fill else { return Ok(()) };
+        let from = if begun.is_standard { &around.standard() } else { around };
+        let mut made = self.finished(call, (from, fill), search, &early)?;
         if let Some(finished) = made.take_if(|_| begun.is_standard) {
-            let leans = finished.1.doubt > 0.0 && around.fairing != standard.fairing;
-            let sizing = standard.sizing;
-            let leant = match leans {
-                true => match own(&Surroundings { sizing, ..*around })? {
-                    Ok(own) => Some(own),
-                    Err(why) => {
-                        begun.fill = Err(why);
-                        return Ok(());
-                    }
-                },
+            let own = match finished.1.doubt > 0.0 && around.fairing != from.fairing {
+                true => Some(own(&Surroundings { sizing: from.sizing, ..*around })?),
                 false => None,
             };
-            let source = search.library.source();
-            made =
-                as_wanted(finished, fill, leant.as_ref(), around, source, search.threads, &stop)?;
-            fill.fairing = leant.map_or(fill.fairing, |own| own.fairing);
+            let own = match own.transpose() {
+                Ok(own) => own,
+                Err(why) => {
+                    begun.fill = Err(why);
+                    return Ok(());
+                }
+            };
+            let (source, threads) = (search.library.source(), search.threads);
+            made = as_wanted(finished, fill, own.as_ref(), around, source, threads, &stop)?;
+            fill.fairing = own.map_or(fill.fairing, |own| own.fairing);
         }
         if let Some((patch, story)) = made {
             if let Ok(patch) = obstacles.settle(around, patch, &stop)? {
+                let method = call.options.method;
                 fill.coherence_error = story.coherence_error;
                 (fill.patch, fill.story, fill.method) = (patch, Some(story), method);
                 return Ok(());
@@ -345,6 +329,33 @@ impl Completer<'_> {
             begun.fill = own(around)?;
         }
         Ok(())
+    }
+
+    /// The completion of a fill, not yet checked, kept; `None` if nothing on the object serves.
+    fn finished(
+        &self,
+        call: &Call<'_>,
+        (around, fill): (&Surroundings<'_>, &Fill),
+        search: &Search<'_>,
+        check: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Option<(Patch, Story)>> {
+        let method = call.options.method;
+        let make = || {
+            let made = match method {
+                Method::Warp => warp::complete_hole(around, fill, search, check)?,
+                _ => coherent::complete_hole(around, fill, search, check)?,
+            };
+            Ok(Finished { made, candidates: search.candidates.get() })
+        };
+        let Finished { made, candidates } = match self.keeps {
+            true => {
+                let asked = (method, search.guidance);
+                search.library.kept.finished.find(around, fill, asked, make)?
+            }
+            false => make()?,
+        };
+        search.candidates.set(candidates);
+        Ok(made)
     }
 
     /// What the holes that were begun are continued from.

@@ -1,6 +1,7 @@
 //! What a coherent completion of a mesh copies from, its height maps by scale, and the searches made in
 //! it: kept between the holes of a call, and between the calls of a completer.
 
+use super::cost::LongCost;
 use super::finished::Completions;
 use super::guided::{guess_scales, Ranked, Transforms};
 use super::harary::Initial;
@@ -21,6 +22,7 @@ use crate::matching::symmetry::symmetries;
 use crate::mesh::neighbourhood::NONE;
 use crate::mesh::MeshView;
 use crate::options::{Appearance, Sources};
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -239,9 +241,22 @@ impl Library {
     ) -> Result<Found> {
         let Some(first) = targets.first() else { return Ok(Found::default()) };
         self.kept.found.find(targets, None, || {
-            let maps = self.maps(first.radius, &|| check(0.0))?;
-            check(0.1)?;
-            let late = |part: f64| check(0.1 + 0.9 * part);
+            // Windows share the maps.
+            let maps_part = match targets.len() {
+                1 => 0.1,
+                n => {
+                    let area = self.known.area / first.radius.powi(2);
+                    LongCost::of(0, n, first.fill.len(), area).maps_part()
+                }
+            };
+            // How often it will be asked is not known: half of it is over at the second time.
+            let asked = Cell::new(0.0);
+            let maps = self.maps(first.radius, &|| {
+                asked.set(asked.get() + 1.0);
+                check(maps_part * asked.get() / (asked.get() + 2.0))
+            })?;
+            check(maps_part)?;
+            let late = |part: f64| check(maps_part + (1.0 - maps_part) * part);
             let (known, source) = (&self.known, self.source());
             find_candidates(known, source, &maps, targets, threads, &late).map(Arc::new)
         })

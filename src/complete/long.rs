@@ -3,6 +3,7 @@
 //! served those nearby. So neighbours come to agree, and triangles to lie along what was copied.
 
 use super::coherent::{domain_of, finish, finish_again, Scope, AGAIN};
+use super::cost::LongCost;
 use super::smooth::{Fill, Story};
 use crate::error::Result;
 use crate::fill::patch::Patch;
@@ -14,19 +15,23 @@ use crate::synthesis::fit::Chosen;
 use crate::synthesis::view::{look, View};
 use crate::synthesis::window::{judge_by_whole, plan_windows, Window};
 
-/// Where the search ends in such a hole's time, and where the first look does; measured on cracks and bands of the
-/// samples, of which the search takes 0.25 to 0.7.
-const PARTS: [f64; 2] = [0.45, 0.75];
 /// Share of a window from which on a copy that gives no detail is looked at once more.
 const SOME: f64 = 0.05;
 
 /// The completion of a long hole; `Ok(None)`: nothing on the object serves.
 pub fn complete_long(scope: &Scope<'_>, fill: &Fill) -> Result<Option<(Patch, Story)>> {
-    let scope = Scope { search: PARTS[0], first: PARTS[1], ..*scope };
     let source = scope.library.source();
     let domain_of = |patch, extent| domain_of(scope.around, fill, scope.library, patch, extent);
     let Some(domain) = domain_of(&fill.patch, Extent::Narrow) else { return Ok(None) };
-    let windows = windows_of(&scope, &domain, 0.0)?;
+    let mut windows = plan_windows(&domain, &|| (scope.check)(0.0))?;
+    let own = windows.first().map_or(0, |w| w.domain.fill.len());
+    let area = windows.first().map_or(0.0, |w| scope.library.known.area / w.domain.radius.powi(2));
+    let [plate, search, first, again] =
+        LongCost::of(domain.fill.len(), windows.len(), own, area).parts();
+    let rest = |end: f64| (end - plate) / (1.0 - plate);
+    let late = |part: f64| (scope.check)(plate + (1.0 - plate) * part);
+    let scope = Scope { search: rest(search), first: rest(first), check: &late, ..*scope };
+    judge_by_whole(&mut windows, &domain, scope.threads, &|| late(0.0))?;
     let views = scope.look_through(&windows)?;
     let stop = || (scope.check)(scope.first);
     let made = finish(&fill.patch, source, &domain, &views, &stop)?;
@@ -38,18 +43,12 @@ pub fn complete_long(scope: &Scope<'_>, fill: &Fill) -> Result<Option<(Patch, St
     let Some(domain) = domain_of(&finer, Extent::FoundNarrow) else {
         return Ok(Some((patch, story)));
     };
-    let windows = windows_of(&scope, &domain, scope.first)?;
-    let again = look_along(&scope, &windows, &views)?;
+    let mut windows = plan_windows(&domain, &stop)?;
+    judge_by_whole(&mut windows, &domain, scope.threads, &stop)?;
+    let again = look_along(&Scope { first: rest(again), ..scope }, &windows, &views)?;
     let stop = || (scope.check)(1.0);
     let second = finish_again(&finer, source, &domain, &again, story.coherence_error, &stop)?;
     Ok(second.or(Some((patch, story))))
-}
-
-/// The windows of a long fill, judged by all of it. `done`: part of the whole time that is over.
-fn windows_of(scope: &Scope<'_>, domain: &Domain, done: f64) -> Result<Vec<Window>> {
-    let mut windows = plan_windows(domain);
-    judge_by_whole(&mut windows, domain, scope.threads, &|| (scope.check)(done))?;
-    Ok(windows)
 }
 
 /// Looks through windows at what was seen through those nearby.

@@ -7,6 +7,7 @@ mod check;
 mod coherent;
 mod coloured;
 mod continued;
+mod cost;
 mod finished;
 mod fragment;
 mod guided;

@@ -44,11 +44,16 @@ impl Symmetric {
     /// Factors `scale` · this + diag(`diagonal`); `None` if that is not positive definite. Finds
     /// the ordering at the first call and keeps it.
     pub fn factor(&mut self, scale: f64, diagonal: &[f64]) -> Option<Factor> {
+        self.order();
+        self.factored(scale, diagonal)
+    }
+
+    /// Finds the ordering, if that was not done yet: it takes as long as a factorisation.
+    pub fn order(&mut self) {
         if self.symbolic.is_none() {
-            let matrix = self.with_diagonal(scale, diagonal);
+            let matrix = self.with_diagonal(1.0, &vec![0.0; self.size]);
             self.symbolic = SymbolicLlt::try_new(matrix.symbolic(), Side::Lower).ok();
         }
-        self.factored(scale, diagonal)
     }
 
     /// The same with the ordering that an earlier [`Symmetric::factor`] found; `None` without one.

@@ -201,7 +201,9 @@ fn system(
     let mut weight = vec![0.0; domain.sheet.positions.len()];
     domain.ring.iter().for_each(|&v| weight[v] = domain.laplacian.mass[v]);
     check()?;
-    // Warms up the ordering, which all workers then share.
+    // All workers then share it.
+    energy.order();
+    check()?;
     let usable =
         !domain.ring.is_empty() && energy.factor(unit(radius) * STIFFNESSES[3], &weight).is_some();
     check()?;

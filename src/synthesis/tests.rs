@@ -289,7 +289,7 @@ fn windows_cover_the_fill() {
     for (object, bent, least) in [(cracked(), false, 3), (tube(), true, 3)] {
         let d = object.domain(Extent::Narrow, flat);
         assert_eq!(one_window(&d).is_none(), bent);
-        let windows = plan_windows(&d);
+        let windows = plan_windows(&d, &|| Ok(())).unwrap();
         assert!(windows.len() >= least, "{}", windows.len());
         let mut covered = vec![0.0; d.fill.len()];
         for w in &windows {
@@ -335,7 +335,7 @@ fn windows_end_tamely() {
     let object = cracked();
     let source = object.source(&Rigid::IDENTITY);
     let whole = object.domain(Extent::Narrow, flat);
-    for window in plan_windows(&whole) {
+    for window in plan_windows(&whole, &|| Ok(())).unwrap() {
         let d = &window.domain;
         assert!(window.is_part() && d.fill.clone().any(|v| !d.complete[v]), "it is cut");
         let mut copy = project(d, &source, &Rigid::IDENTITY).unwrap();
@@ -355,7 +355,7 @@ fn windows_are_judged_by_the_whole() {
     let object = tube();
     let source = object.source(&Rigid::IDENTITY);
     let whole = object.domain(Extent::Narrow, flat);
-    let mut windows = plan_windows(&whole);
+    let mut windows = plan_windows(&whole, &|| Ok(())).unwrap();
     judge_by_whole(&mut windows, &whole, 1, &|| Ok(())).unwrap();
     for window in &windows {
         let d = &window.domain;
@@ -383,7 +383,7 @@ fn windows_share_a_fill() {
     let object = cracked();
     let source = object.source(&Rigid::IDENTITY);
     let d = object.domain(Extent::Narrow, flat);
-    let windows = plan_windows(&d);
+    let windows = plan_windows(&d, &|| Ok(())).unwrap();
     let all: Vec<View<'_>> =
         windows.iter().filter_map(|w| seen(w, &source, &[Rigid::IDENTITY])).collect();
     assert_eq!(all.len(), windows.len());

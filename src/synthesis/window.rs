@@ -56,7 +56,7 @@ fn is_bent(domain: &Domain) -> bool {
 }
 
 /// As many windows as cover the fill, all of the domain's radius.
-pub fn plan_windows(domain: &Domain) -> Vec<Window> {
+pub fn plan_windows(domain: &Domain, check: &dyn Fn() -> Result<()>) -> Result<Vec<Window>> {
     let fill = domain.fill.len();
     // A bent fill is seen in parts.
     let part = if is_bent(domain) { BENT_PART } else { 1.0 };
@@ -66,6 +66,7 @@ pub fn plan_windows(domain: &Domain) -> Vec<Window> {
     let mut windows = Vec::new();
     let mut at = domain.fill.start;
     loop {
+        check()?;
         for (i, v) in domain.fill.clone().enumerate() {
             nearest[i] = nearest[i].min(positions[v].distance(positions[at]));
         }
@@ -73,7 +74,7 @@ pub fn plan_windows(domain: &Domain) -> Vec<Window> {
         let farthest = (0..fill).max_by(|&a, &b| nearest[a].total_cmp(&nearest[b]));
         match farthest.filter(|&i| nearest[i] > REACH * radius) {
             Some(i) => at = domain.fill.start + i,
-            None => return windows,
+            None => return Ok(windows),
         }
     }
 }
