@@ -143,6 +143,7 @@ fn complete_shape(
     let &Search { library, guidance, candidates, threads } = search;
     let domain_of = |patch: &Patch, extent: Extent| domain_of(around, fill, library, patch, extent);
     let Some(domain) = domain_of(&fill.patch, Extent::Whole) else { return Ok(None) };
+    check(0.0)?;
     let cost = Cost::of(domain.fill.len(), library.known.area / domain.radius.powi(2));
     let [search, first] = cost.parts();
     let scope = Scope { around, library, guidance, candidates, threads, check, search, first };
