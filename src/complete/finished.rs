@@ -18,9 +18,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Fills and completions kept, of each; the latter of a hole of a thousand vertices takes some 300 kilobytes.
 const KEPT: usize = 64;
 
-/// Standard fills of the last holes, by the rims in input vertices.
+/// Standard fills of the last holes, by the rims and by what they are only joined at, in input vertices.
 #[derive(Default)]
-pub struct Standards(Mutex<Vec<(Vec<u32>, Fill)>>);
+pub struct Standards(Mutex<Vec<([Vec<u32>; 2], Fill)>>);
 
 impl Standards {
     /// The standard fill of a hole whose loops are given in neighbourhood vertices, made if it is not there.
@@ -31,8 +31,10 @@ impl Standards {
         make: impl FnOnce() -> Result<std::result::Result<Fill, String>>,
     ) -> Result<std::result::Result<Fill, String>> {
         let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let rim: Vec<u32> = loops.iter().flatten().map(|&v| near.vertices[v as usize]).collect();
-        let kept = lock().iter().find(|(own, _)| *own == rim).map(|k| k.1.clone());
+        let input = |v: &u32| near.vertices[*v as usize];
+        let key =
+            [loops.iter().flatten().map(input).collect(), near.loose.iter().map(input).collect()];
+        let kept = lock().iter().find(|(own, _)| *own == key).map(|k| k.1.clone());
         if let Some(mut fill) = kept {
             // The neighbourhood may be another: that of more holes.
             fill.outline.vertices = loops.concat();
@@ -44,7 +46,7 @@ impl Standards {
             if all.len() == KEPT {
                 all.remove(0);
             }
-            all.push((rim, fill.clone()));
+            all.push((key, fill.clone()));
         }
         Ok(made)
     }

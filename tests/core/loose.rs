@@ -4,8 +4,8 @@ use crate::appearance::painted;
 use crate::checker::{check, filled_rims};
 use crate::meshes::{sheet, within, Mesh};
 use complete_mesh::{
-    complete_mesh, find_holes, Completion, Error, Fairing, Grouping, Guidance, Method, Monitor,
-    Options, Selection,
+    complete_mesh, find_holes, Completer, Completion, Error, Fairing, Grouping, Guidance, Method,
+    Monitor, Options, Selection,
 };
 use glam::DVec3;
 
@@ -46,6 +46,23 @@ fn a_fold_is_kept() {
         let [kept, pulled] = [&on_fold[..], &[]].map(|l| fill(&mesh, l, Fairing::Auto, method));
         println!("{}: {:.3} {:.3}", method.name(), highest(&kept), highest(&pulled));
         assert!(highest(&kept) < 0.1);
+    }
+}
+
+/// A completer that filled the hole otherwise before gives the same as one that did not.
+#[test]
+fn what_was_joined_before_does_not_matter() {
+    let (mesh, on_fold) = fold();
+    let kept = Completer::new(mesh.view(), &Grouping::Automatic, &Monitor::silent()).unwrap();
+    for method in [Method::Smooth, Method::Coherent] {
+        for loose in [&[], &on_fold[..], &on_fold[..4], &[]] {
+            let guidance = Guidance { loose: loose.into(), ..Guidance::default() };
+            let selection = Selection::AllButLargest;
+            let options = Options { method, selection, guidance, ..Options::default() };
+            let made = kept.complete(&options, &Monitor::silent()).unwrap();
+            let fresh = fill(&mesh, loose, Fairing::Auto, method);
+            assert_eq!(made.vertices, fresh.vertices, "{} {}", method.name(), loose.len());
+        }
     }
 }
 
