@@ -210,7 +210,7 @@ pub struct Scope<'a> {
 }
 
 impl Scope<'_> {
-    /// Searches from some windows and looks through each at what was found.
+    /// Searches from some windows and looks through each at what it found.
     pub fn look_through<'w>(&self, windows: &'w [Window]) -> Result<Vec<View<'w>>> {
         let (source, threads) = (self.library.source(), self.threads);
         let rings: Vec<Vec<RingPoint>> = windows.iter().map(|w| w.domain.ring_points()).collect();

@@ -1,6 +1,6 @@
-//! Standard smooth fills and the completions continued from them, kept: another fairing or size of triangles makes none of them
-//! anew. A fill that copies are trusted in is the same whatever the fairing; where they are doubted it leans on the
-//! smooth fill, and the difference between that and the standard one is added.
+//! Standard smooth fills and the completions continued from them, kept: another fairing or size of triangles makes
+//! none of them anew. A fill that copies are trusted in is the same whatever the fairing; where they are doubted it
+//! leans on the smooth fill, and the difference between that and the standard one is added.
 
 use super::resized::resize;
 use super::smooth::{Fill, Story, Surroundings};
@@ -55,7 +55,7 @@ impl Standards {
 /// What became of a hole.
 #[derive(Clone)]
 pub struct Finished {
-    /// What was made of it, if anything serves. The story's ring is of input vertices.
+    /// What was made of it, if anything serves. While it is kept, the story's ring is of input vertices.
     pub made: Option<(Patch, Story)>,
     /// How many candidates it had, if one was asked for.
     pub candidates: usize,
@@ -92,7 +92,7 @@ impl Completions {
         let near = around.near;
         let kept = lock().iter().find(same).map(|k| k.1.clone());
         if let Some(kept) = kept {
-            // See above.
+            // As for the fills above.
             let mut found = Finished::clone(&kept);
             if let Some((_, story)) = &mut found.made {
                 story.ring.retain_mut(|seam| match near.local(seam.vertex) {
