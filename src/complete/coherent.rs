@@ -17,8 +17,8 @@ use super::long::complete_long;
 use super::quilted::quilt_colours;
 use super::smooth::{Fill, Story, Surroundings};
 use crate::error::Result;
+use crate::fill::even::refine_for;
 use crate::fill::patch::Patch;
-use crate::fill::refine::refine;
 use crate::guidance::Guidance;
 use crate::matching::icp::RingPoint;
 use crate::matching::rigid::Rigid;
@@ -161,10 +161,10 @@ fn complete_shape(
     }
     // Again on the surface found: triangles where it is steep, lines that meet it at right angles.
     let mut finer = patch.clone();
-    if around.sizing == Sizing::Surroundings {
+    if around.sizing == Sizing::Surroundings && fill.outline.share.is_none() {
         take_density(&mut finer, &views[0], library.source());
     }
-    if !refine(&mut finer, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
+    if !refine_for(&fill.outline, &mut finer, AGAIN, &mut Pace::new(&stop))? {
         return Ok(Some((patch, story)));
     }
     let domain = domain_of(&finer, Extent::Found);

@@ -39,8 +39,6 @@ pub struct Completed {
 pub struct Asked<'a> {
     /// All boundary vertices of the mesh.
     pub rims: &'a [u32],
-    /// Whether its vertices are a cloud's points: the new ones are then spread evenly.
-    pub of_points: bool,
     /// Whether mirrored copies may be made.
     pub mirrored: bool,
     /// Threads to use.
@@ -56,7 +54,7 @@ pub fn complete_holes(
     monitor: &Monitor,
     progress: &dyn Fn(f64),
 ) -> Result<Vec<Completed>> {
-    let &Asked { rims, of_points, mirrored, threads } = asked;
+    let &Asked { rims, mirrored, threads } = asked;
     let (parts, origins) = completed_mesh(mesh, initial);
     let mut open = vec![false; parts.positions.len()];
     rims.iter().for_each(|&v| open[v as usize] = true);
@@ -107,11 +105,11 @@ pub fn complete_holes(
             let mut patch = init.patch.clone();
             let rim = patch.rim_count;
             patch.positions[rim..].copy_from_slice(&positions[rim..]);
-            if of_points && patches.is_empty() {
+            if let Some(share) = init.share.filter(|_| patches.is_empty()) {
                 let taken = take_points(&patch, &copies, &pasted, source, init.taken);
                 let (patch, copies) = match taken {
                     Some(taken) => taken,
-                    None => spread_points(&patch, &copies, source, init.taken, &check)?,
+                    None => spread_points(&patch, &copies, share, init.taken, &check)?,
                 };
                 patches.push(tell(patch, &copies, &pasted, source));
             }

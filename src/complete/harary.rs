@@ -60,6 +60,8 @@ pub struct Initial<'a> {
     pub patch: &'a Patch,
     /// Edges between rim vertices that the input has already.
     pub taken: Taken<'a>,
+    /// See [`crate::fill::outline::Outline::share`].
+    pub share: Option<f64>,
 }
 
 /// What became of one hole.
@@ -320,7 +322,7 @@ mod tests {
             3,
             vec![[0, 1, 3], [1, 2, 3], [2, 0, 3]],
         );
-        let initial = Initial { rim: vec![0, 2, 4], patch: &patch, taken: &[] };
+        let initial = Initial { rim: vec![0, 2, 4], patch: &patch, taken: &[], share: None };
         let mesh = MeshView::new(&vertices[..], &faces[..]);
         let made = complete_holes_harary(mesh, &[initial], &Monitor::silent(), &|_| {}).unwrap();
         assert!(made[0].patches.is_empty() && made[0].errors[0].is_infinite());
@@ -378,7 +380,7 @@ mod tests {
                 mesh.vertices.iter().map(|p| p.map(|x| f64::from(x) * scale)).collect();
             let mut patch = patch.clone();
             patch.positions = scaled(&patch.positions);
-            let initial = Initial { rim: rim.clone(), patch: &patch, taken: &[] };
+            let initial = Initial { rim: rim.clone(), patch: &patch, taken: &[], share: None };
             let mesh = MeshView::new(&vertices[..], &mesh.faces[..]);
             let all = all.map(scaled);
             let all = [&all[0][..], &all[1][..], &all[2][..]];

@@ -45,7 +45,7 @@ use glam::DVec3;
 use initial::InitialFaces;
 use library::Library;
 use pulled::share_points;
-use smooth::{Fill, Surroundings};
+use smooth::{Fill, Spreading, Surroundings};
 use std::collections::{HashSet, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -136,9 +136,9 @@ impl<'a> Completer<'a> {
         })
     }
 
-    /// The same of a mesh laid through a cloud's points.
+    /// The same of a mesh laid through a cloud's points, for one call.
     pub(crate) fn of_points(self) -> Self {
-        Self { of_points: true, ..self }
+        Self { of_points: true, keeps: false, ..self }
     }
 
     /// The vertices that fills are only joined at, as those of the neighbourhood.
@@ -155,6 +155,15 @@ impl<'a> Completer<'a> {
         loose.sort_unstable();
         loose.dedup();
         Ok(loose)
+    }
+
+    fn spreading(&self, method: Method) -> Spreading {
+        match method {
+            _ if !self.of_points => Spreading::Never,
+            // It may bring points along, and from even vertices it lays no better copies.
+            Method::Fragment => Spreading::Late,
+            Method::Smooth | Method::Coherent | Method::Warp | Method::Harary => Spreading::Early,
+        }
     }
 
     /// All vertices of boundary loops.
@@ -226,6 +235,7 @@ impl<'a> Completer<'a> {
         let around = Surroundings {
             initial: initial.as_ref(),
             input_vertices: self.mesh.vertices.len(),
+            spreading: self.spreading(options.method),
             near: &near,
             incidence: &incidence,
             places: &places,

@@ -12,8 +12,8 @@
 use super::smooth::{Fill, Story};
 use crate::descriptor::prolong::barycentric;
 use crate::error::Result;
+use crate::fill::even::refine_for;
 use crate::fill::patch::Patch;
-use crate::fill::refine::refine;
 use crate::intersect::Bvh;
 use crate::matching::rigid::Rigid;
 use crate::matching::source::Source;
@@ -54,7 +54,7 @@ pub fn resize(
         Sizing::EdgeLength(length) => finer.sizes.fill(length),
         Sizing::Surroundings | Sizing::None => {}
     }
-    if !refine(&mut finer, &fill.outline.taken, ROUNDS, &mut Pace::new(check))? {
+    if !refine_for(&fill.outline, &mut finer, ROUNDS, &mut Pace::new(check))? {
         return Ok(None);
     }
     let old = Old::new(patch, story, source);
@@ -449,7 +449,15 @@ mod tests {
         let (vertices, positions) = (Vec::new(), patch.positions[..patch.rim_count].to_vec());
         let sizes = patch.sizes[..patch.rim_count].to_vec();
         Fill {
-            outline: Outline { vertices, positions, sizes, rims: Vec::new(), taken: Vec::new() },
+            outline: Outline {
+                vertices,
+                positions,
+                sizes,
+                rims: Vec::new(),
+                taken: Vec::new(),
+                share: None,
+                is_even: false,
+            },
             patch: patch.clone(),
             fairing: Fairing::C1,
             method: Method::Smooth,

@@ -10,6 +10,7 @@
 use super::check::{Obstacles, Rounding};
 use super::initial::InitialFaces;
 use crate::error::Result;
+use crate::fill::even::refine_for;
 use crate::fill::fairing::{fair, fair_both, fair_from, predict_hidden, Plate};
 use crate::fill::outline::Outline;
 use crate::fill::patch::Patch;
@@ -55,6 +56,8 @@ pub struct Surroundings<'a> {
     pub initial: Option<&'a InitialFaces<'a>>,
     /// How many vertices the whole mesh has.
     pub input_vertices: usize,
+    /// Whether and when fills get vertices as dense as a cloud's points.
+    pub spreading: Spreading,
     /// The mesh near the holes.
     pub near: &'a Neighbourhood,
     /// Its faces by vertex.
@@ -67,6 +70,17 @@ pub struct Surroundings<'a> {
     pub sizing: Sizing,
     /// Precision of the result.
     pub rounding: Rounding,
+}
+
+/// When the vertices of a fill are spread evenly, as densely as the points around it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spreading {
+    /// Never: it is a mesh's.
+    Never,
+    /// When the smooth fill is refined.
+    Early,
+    /// When it is finished, by the method that goes on from the smooth fill.
+    Late,
 }
 
 impl Surroundings<'_> {
@@ -162,6 +176,10 @@ pub fn fill_hole(
     check: &dyn Fn(f64) -> Result<()>,
 ) -> Result<std::result::Result<Fill, String>> {
     let mut outline = Outline::new(around.near, &around.incidence.get(), loops);
+    if around.spreading != Spreading::Never && around.sizing != Sizing::None {
+        outline.measure_share(around.near);
+        outline.is_even = around.spreading == Spreading::Early;
+    }
     match around.sizing {
         Sizing::Scaled(f) => outline.sizes.iter_mut().for_each(|s| *s *= f),
         Sizing::EdgeLength(l) => outline.sizes.fill(l),
@@ -300,7 +318,7 @@ fn make(
         };
         place(&mut patch, &moved);
         let again = pass == 0 && around.sizing != Sizing::None;
-        if again && !refine(&mut patch, &outline.taken, 2, &mut Pace::new(&|| check(0.5)))? {
+        if again && !refine_for(outline, &mut patch, 2, &mut Pace::new(&|| check(0.5)))? {
             return Ok(Err(TOO_MANY.into()));
         }
     }
@@ -359,7 +377,13 @@ fn descend(
         let step = if in_steps { coarse.min(2.0) } else { coarse };
         coarse /= step;
         patch.sizes.iter_mut().for_each(|s| *s /= step);
-        if !refine(&mut patch, &outline.taken, 3, &mut Pace::new(&|| check(0.55)))? {
+        let ask = || check(0.55);
+        let pace = &mut Pace::new(&ask);
+        let refined = match coarse <= 1.0 {
+            true => refine_for(outline, &mut patch, 3, pace)?,
+            false => refine(&mut patch, &outline.taken, 3, pace)?,
+        };
+        if !refined {
             return Ok(Err(TOO_MANY.into()));
         }
         check(0.6)?;

@@ -49,7 +49,6 @@ impl Completer<'_> {
         let initial: Vec<_> = fills.iter().map(|fill| initial_of(around, fill)).collect();
         let asked = fragment::Asked {
             rims: &self.rims(),
-            of_points: self.of_points,
             mirrored: !options.sources.unmirrored,
             threads: thread_count(options.threads),
         };
@@ -97,5 +96,6 @@ pub(super) fn initial_of<'f>(around: &Surroundings<'_>, fill: &'f Fill) -> harar
         rim: fill.outline.vertices.iter().map(input).collect(),
         patch: &fill.patch,
         taken: &fill.outline.taken,
+        share: fill.outline.share,
     }
 }

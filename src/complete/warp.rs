@@ -14,8 +14,8 @@ use super::coherent::{
 use super::guided::{placed, Ranked};
 use super::smooth::{Fill, Story, Surroundings};
 use crate::error::Result;
+use crate::fill::even::refine_for;
 use crate::fill::patch::Patch;
-use crate::fill::refine::refine;
 use crate::matching::height_map::Frame;
 use crate::matching::rigid::Rigid;
 use crate::matching::search::{align_candidates, Target};
@@ -76,11 +76,11 @@ impl Task<'_> {
         }
         // Again on the surface found: triangles where it is steep, lines that meet it at right angles.
         let mut finer = patch.clone();
-        if around.sizing == Sizing::Surroundings {
+        if around.sizing == Sizing::Surroundings && fill.outline.share.is_none() {
             take_density(&mut finer, &view, library.source());
         }
         let stop = || late(0.2);
-        if !refine(&mut finer, &fill.outline.taken, AGAIN, &mut Pace::new(&stop))? {
+        if !refine_for(&fill.outline, &mut finer, AGAIN, &mut Pace::new(&stop))? {
             return Ok(Some((patch, story)));
         }
         let error = story.coherence_error;

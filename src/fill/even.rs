@@ -8,8 +8,10 @@
 //! - The rim stays, so that new points keep away from it.
 //! - Moved vertices are put back onto the surface as it was.
 
+use super::outline::Outline;
 use super::patch::{next, Patch, NONE};
-use super::refine::{collapse_edges, flip_pass, stretch, Taken};
+use super::refine::{collapse_edges, flip_pass, refine, stretch, Taken};
+use crate::descriptor::prolong::barycentric;
 use crate::error::Result;
 use crate::intersect::Bvh;
 use crate::progress::Pace;
@@ -25,6 +27,23 @@ const PASSES: usize = 12;
 /// Least cosine between a triangle before and after a move.
 const TURNED: f64 = 0.2;
 
+/// Refines a patch as a hole asks for: that of a cloud gets as many vertices as there are points around it, spread
+/// evenly. What [`refine`] returns.
+pub fn refine_for(
+    outline: &Outline,
+    patch: &mut Patch,
+    rounds: usize,
+    pace: &mut Pace<'_>,
+) -> Result<bool> {
+    if !refine(patch, &outline.taken, rounds, pace)? {
+        return Ok(false);
+    }
+    if let Some(share) = outline.share.filter(|_| outline.is_even) {
+        spread(patch, share, &outline.taken, pace)?;
+    }
+    Ok(true)
+}
+
 /// Spreads a patch's new vertices over its surface. `share`: triangles for one that is equilateral with edges as
 /// wanted, see [`share()`]. Returns for each vertex of the result the triangle, of the patch as it was, that it
 /// lies on; [`NONE`] for the rim. Asks `pace` on the way.
@@ -38,9 +57,7 @@ pub fn spread(
     let alive = (0..before.triangles.len()).filter(|&t| before.is_alive(t));
     let corners = |t: usize| (t as u32, before.triangles[t].map(|v| before.p(v)));
     let surface = Surface { tree: Bvh::from_triangles(alive.map(corners)), patch: &before };
-    let even = |t: usize| equilateral(before.triangles[t].map(|v| before.sizes[v as usize]));
-    let alive = (0..before.triangles.len()).filter(|&t| before.is_alive(t));
-    let wanted = share * alive.map(|t| 0.5 * before.area_normal(t).length() / even(t)).sum::<f64>();
+    let wanted = share * triangles_if_even(&before);
     for _ in 0..PASSES {
         // A vertex more is two triangles more.
         let missing = 0.5 * (wanted - alive_triangles(patch) as f64);
@@ -77,6 +94,13 @@ pub fn share(triangles: impl Iterator<Item = [DVec3; 3]>, lengths: &[f64]) -> f6
     } else {
         1.0
     }
+}
+
+/// How many triangles a patch would have if all were equilateral with edges as wanted.
+fn triangles_if_even(patch: &Patch) -> f64 {
+    let even = |t: usize| equilateral(patch.triangles[t].map(|v| patch.sizes[v as usize]));
+    let alive = (0..patch.triangles.len()).filter(|&t| patch.is_alive(t));
+    alive.map(|t| 0.5 * patch.area_normal(t).length() / even(t)).sum()
 }
 
 /// Area of an equilateral triangle with edges of the mean of three lengths.
@@ -188,6 +212,11 @@ impl Surface<'_> {
         let corners = self.patch.triangles[hit.face as usize];
         patch.sizes[v as usize] =
             corners.iter().map(|&c| self.patch.sizes[c as usize]).sum::<f64>() / 3.0;
+        if !patch.offsets.is_empty() {
+            let weights = barycentric(hit.point, &corners.map(|c| self.patch.p(c)));
+            let offset = |k: usize| weights[k] * self.patch.offsets[corners[k] as usize];
+            patch.offsets[v as usize] = (0..3).map(offset).sum();
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The rim of one hole as the fill sees it: positions, sizes, normals, and edges already taken.
 
+use super::even::share;
 use super::polygon::Rim;
 use super::sheet::Incidence;
 use crate::mesh::neighbourhood::Neighbourhood;
@@ -18,7 +19,17 @@ pub struct Outline {
     pub rims: Vec<Rim>,
     /// Edges that the input has between rim vertices: (smaller, larger), sorted.
     pub taken: Vec<(u32, u32)>,
+    /// Around a cloud's hole, how many triangles there are for one that is equilateral with edges as they are at
+    /// the rim ([`share`]): the fill shall have as many. `None`: as refinement has them.
+    pub share: Option<f64>,
+    /// Whether refinement gives the fill as many, spread evenly.
+    pub is_even: bool,
 }
+
+/// Radii of a hole around its middle within which the points say how dense they are.
+const AROUND: f64 = 1.5;
+/// With fewer triangles there the whole neighbourhood says it.
+const FEWEST: usize = 200;
 
 impl Outline {
     /// Collects the rim of the hole whose loops are given in neighbourhood vertices.
@@ -41,13 +52,27 @@ impl Outline {
             })
             .collect();
         let taken = taken_edges(near, incidence, &vertices);
-        Self { vertices, positions, sizes, rims, taken }
+        Self { vertices, positions, sizes, rims, taken, share: None, is_even: false }
+    }
+
+    /// Measures the share. `sizes` must be the input's.
+    pub fn measure_share(&mut self, near: &Neighbourhood) {
+        let (middle, radius) = (self.middle(), self.radius());
+        let corners = |f: usize| near.corners(f as u32);
+        let is_near = |c: &[DVec3; 3]| c[0].distance_squared(middle) < (AROUND * radius).powi(2);
+        let all = || (0..near.faces.len()).map(corners);
+        let enough = all().filter(is_near).nth(FEWEST).is_some();
+        let counted = all().filter(|c| !enough || is_near(c));
+        self.share = Some(share(counted, &self.sizes));
+    }
+
+    fn middle(&self) -> DVec3 {
+        self.positions.iter().copied().sum::<DVec3>() / self.positions.len().max(1) as f64
     }
 
     /// Greatest distance of a rim vertex from the middle of all, in mesh units.
     pub fn radius(&self) -> f64 {
-        let middle =
-            self.positions.iter().copied().sum::<DVec3>() / self.positions.len().max(1) as f64;
+        let middle = self.middle();
         self.positions.iter().map(|p| p.distance(middle)).fold(0.0, f64::max)
     }
 

@@ -70,6 +70,19 @@ fn the_rim_that_was_found_may_be_given() {
     assert_eq!(rims, [rim(0), rim(2)]);
 }
 
+/// Whether a point lies within a loop of others, but is none of them, seen along a direction.
+fn is_within(p: &[f64; 3], rim: &[[f64; 3]], along: [f64; 3]) -> bool {
+    let (x, y) = DVec3::from(along).any_orthonormal_pair();
+    let flat = |q: &[f64; 3]| [x, y].map(|axis| DVec3::from(*q).dot(axis));
+    let [u, v] = flat(p);
+    let crossed = (0..rim.len()).filter(|&i| {
+        let ([a, b], [c, d]) = (flat(&rim[i]), flat(&rim[(i + 1) % rim.len()]));
+        (b > v) != (d > v) && u < a + (v - b) / (d - b) * (c - a)
+    });
+    let inside = crossed.count() % 2 == 1;
+    inside && DVec3::from(*p).dot(DVec3::from(along)) > 0.0 && !rim.contains(p)
+}
+
 /// A loop around nothing, and one a little outside a hole: the surface inside is made anew, points there
 /// stay where they are and are named.
 #[test]
@@ -95,10 +108,11 @@ fn a_loop_may_take_in_points() {
         assert!(deep.clone().all(|i| inside.contains(&i)) && deep.count() > 10);
         let removed = made.cleaned.unwrap().removed;
         assert!(inside.iter().all(|&i| removed[i as usize]));
-        // The fill covers the whole, on the sphere.
-        let area = std::f64::consts::PI * radius * radius / (h * h * 0.75f64.sqrt());
-        let ratio = made.completion.vertices.len() as f64 / area;
-        assert!((0.75..1.25).contains(&ratio), "{ratio}");
+        // The fill covers the whole, on the sphere, with as many points as the sphere has there.
+        let rim: Vec<[f64; 3]> = rim.iter().map(|&i| points[i as usize]).collect();
+        let of_sphere = sphere(6000).into_iter().filter(|p| is_within(p, &rim, centre)).count();
+        let ratio = made.completion.vertices.len() as f64 / of_sphere as f64;
+        assert!((0.9..1.1).contains(&ratio), "{ratio}");
         for p in &made.completion.vertices {
             assert!((DVec3::from(*p).length() - 1.0).abs() < 0.05 * h, "{p:?}");
             assert!(DVec3::from(*p).distance(DVec3::from(centre)) < radius + h);

@@ -3,7 +3,7 @@
 use super::cut::Cut;
 use super::Wanted;
 use crate::complete::check::{Obstacles, Rounding};
-use crate::complete::smooth::{fill_hole, Surroundings};
+use crate::complete::smooth::{fill_hole, Spreading, Surroundings};
 use crate::error::Result;
 use crate::fill::sheet::Incidences;
 use crate::mesh::neighbourhood::{Bounds, FacePlaces, Neighbourhood, Positions};
@@ -64,6 +64,7 @@ pub fn close_gap(
     let local = Surroundings {
         initial: None,
         input_vertices: around.input_vertices + cut.positions.len(),
+        spreading: Spreading::Never,
         near: &near,
         incidence: &Incidences::new(&near),
         places: &FacePlaces::new(&near, 1),
