@@ -84,7 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn measure(whole: &SampleMesh, broken: &SampleMesh, noise: f64) -> Result<Sums, Box<dyn Error>> {
-    let cloud = scan(broken.view(), noise, OUTLIERS);
+    let cloud = scan(broken.view(), None, noise, OUTLIERS);
     let (points, good) = (&cloud.points, cloud.normals.len());
     let clean = Some(Cleaning::default());
     // What becomes of the holes does not matter here.

@@ -1,23 +1,25 @@
 //! How well the holes of clouds are found: meshes lose their faces, their boundary loops are the truth.
 //!
-//! `cargo run --release --example cloud_holes -- [--noise EDGES] [--outliers SHARE] [--list] MESH...`
+//! `cargo run --release --example cloud_holes -- [--noise EDGES] [--outliers SHARE]
+//! [--uneven smooth|abrupt|rows] [--list] MESH...`
 
 use complete_mesh::io::Document;
 use complete_mesh::options::Grouping;
 use complete_mesh::points::PointHoles;
 use complete_mesh::{find_holes, find_point_holes, MeshView, Monitor, Options, VertexView};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use scanned::{scan, Scanned};
+use scanned::{scan, uneven::Uneven};
 use std::error::Error;
 
 mod scanned;
 
-/// Loops of fewer points are not asked for.
+/// Loops of fewer points are not asked for, nor those that are shorter than so many spacings.
 const LEAST: usize = 13;
-/// Share of a rim's points that must lie beside the other, and how near, in mean edges.
+/// Share of a rim's points that must lie beside the other, and how near, in spacings.
 const SHARED: f64 = 0.5;
 const BESIDE: f64 = 2.0;
 struct Asked {
+    uneven: Option<Uneven>,
     noise: f64,
     outliers: f64,
     list: bool,
@@ -45,7 +47,8 @@ impl Score {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut asked, mut meshes) = (Asked { noise: 0.0, outliers: 0.0, list: false }, Vec::new());
+    let (mut asked, mut meshes) =
+        (Asked { uneven: None, noise: 0.0, outliers: 0.0, list: false }, Vec::new());
     let mut words = std::env::args().skip(1);
     let number = |word: Option<String>| -> Result<f64, Box<dyn Error>> {
         Ok(word.ok_or("a number is missing")?.parse()?)
@@ -54,6 +57,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         match &word[..] {
             "--noise" => asked.noise = number(words.next())?,
             "--outliers" => asked.outliers = number(words.next())?,
+            "--uneven" => {
+                let how = words.next().and_then(|w| Uneven::named(&w));
+                asked.uneven = Some(how.ok_or("--uneven takes smooth, abrupt or rows")?);
+            }
             "--list" => asked.list = true,
             _ => meshes.push(word),
         }
@@ -77,7 +84,8 @@ fn score(path: &str, asked: &Asked) -> Result<Score, Box<dyn Error>> {
     let document = Document::read(path.as_ref())?;
     let mesh = MeshView::new(document.vertices(), document.faces());
     let truth = find_holes(mesh, &Grouping::Separate, &Monitor::silent())?;
-    let Scanned { points, edge, .. } = scan(mesh, asked.noise, asked.outliers);
+    let scanned = scan(mesh, asked.uneven, asked.noise, asked.outliers);
+    let (points, edge) = (&scanned.points, scanned.edge);
     let view: VertexView<'_> = (&points[..]).into();
     let found = find_point_holes(view, None, &Options::default(), &Monitor::silent())?;
     let ends = |ids: &[u32], at: &dyn Fn(u32) -> [f64; 3]| ids.iter().map(|&v| at(v)).collect();
@@ -85,11 +93,17 @@ fn score(path: &str, asked: &Asked) -> Result<Score, Box<dyn Error>> {
         truth.loops.iter().map(|l| ends(&l.vertices, &|v| mesh.vertices.get(v as usize))).collect();
     let made: Vec<Vec<[f64; 3]>> =
         found.list.loops.iter().map(|l| ends(&l.vertices, &|v| points[v as usize])).collect();
-    let near = BESIDE * edge;
+    // A rim where the points are sparse may have fewer than the mesh.
+    let asked_for = |rim: &[[f64; 3]]| {
+        let step = |i: usize| distance(rim[i], rim[(i + 1) % rim.len()]) / scanned.spacing(rim[i]);
+        let points = (0..rim.len()).map(step).sum::<f64>();
+        rim.len() >= LEAST && (asked.uneven.is_none() || points >= LEAST as f64)
+    };
+    let beside = |a: &[[f64; 3]], b: &[[f64; 3]]| beside(a, b, &|p| BESIDE * scanned.spacing(p));
     let mut score = Score::default();
-    for (l, rim) in rims.iter().enumerate().filter(|(_, r)| r.len() >= LEAST) {
+    for (l, rim) in rims.iter().enumerate().filter(|(_, r)| asked_for(r)) {
         score.loops += 1;
-        if made.iter().any(|m| beside(rim, m, near) >= SHARED) {
+        if made.iter().any(|m| beside(rim, m) >= SHARED) {
             score.found += 1;
         } else if asked.list {
             let b = &truth.loops[l];
@@ -103,7 +117,7 @@ fn score(path: &str, asked: &Asked) -> Result<Score, Box<dyn Error>> {
     }
     let every: Vec<[f64; 3]> = rims.iter().flatten().copied().collect();
     for (h, hole) in found.list.holes.iter().enumerate().filter(|(h, _)| !found.borders[*h]) {
-        let other = !hole.loops.iter().any(|&l| beside(&made[l], &every, near) >= SHARED);
+        let other = !hole.loops.iter().any(|&l| beside(&made[l], &every) >= SHARED);
         let field = found.in_field[h];
         let seen = [found.in_loops[h], field == Some(true), field.is_none()];
         (0..3).for_each(|k| score.seen[usize::from(other)][k] += usize::from(seen[k]));
@@ -132,12 +146,17 @@ fn tell(found: &PointHoles, h: usize, edge: f64, what: &str) {
     );
 }
 
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+}
+
 /// Share of the points of `a` that lie beside one of `b`.
-fn beside(a: &[[f64; 3]], b: &[[f64; 3]], near: f64) -> f64 {
+fn beside(a: &[[f64; 3]], b: &[[f64; 3]], near: &dyn Fn([f64; 3]) -> f64) -> f64 {
     if b.is_empty() {
         return 0.0;
     }
     let tree: ImmutableKdTree<f64, 3> = ImmutableKdTree::new_from_slice(b);
-    let close = a.iter().filter(|p| tree.nearest_one::<SquaredEuclidean>(p).distance < near * near);
+    let close =
+        a.iter().filter(|p| tree.nearest_one::<SquaredEuclidean>(p).distance < near(**p).powi(2));
     close.count() as f64 / a.len() as f64
 }
