@@ -4,7 +4,7 @@ use super::check_options;
 use super::clean::{clean, Cleaned};
 use super::detectors::Seen;
 use super::given::{self, narrow, Ball, Given};
-use super::normals::normals as make_normals;
+use super::normals::{normals as make_normals, normals_after};
 use super::smooth::smooth;
 use super::surface::surface;
 use super::tidy::{rims, tidy, Rim, RimKind};
@@ -132,7 +132,7 @@ impl Scaffold {
             if cloud.is_single() {
                 points.iter_mut().for_each(|p| *p = p.as_vec3().as_dvec3());
             }
-            normals = make_normals(&points, &neighbours, side, threads, monitor)?;
+            normals = normals_after(&points, &neighbours, &normals, threads, monitor)?;
         }
         monitor.step(0.02, "meshing")?;
         let linked = neighbours.mutual();

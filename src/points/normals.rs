@@ -18,6 +18,8 @@ use nalgebra::{Matrix3, SymmetricEigen};
 const PLANE: usize = 14;
 /// Neighbours that a point passes its side on to.
 const LINKS: usize = 8;
+/// Rounds at most in which single points are turned round.
+const SETTLING: usize = 3;
 
 /// The principal axes of some offsets from a point.
 pub struct Axes {
@@ -58,12 +60,64 @@ pub fn normals(
     threads: usize,
     monitor: &Monitor,
 ) -> Result<Vec<DVec3>> {
-    let mut normals = blocks(points.len(), threads, monitor, &|i| {
-        let near = neighbours.of(i).iter().take(PLANE).map(|&q| points[q as usize]);
-        principal_axes(near.chain([points[i]]).map(|p| (p - points[i], 1.0))).normal
-    })?;
+    let mut normals = axes(points, neighbours, threads, monitor)?;
     orient(points, &mut normals, neighbours, given);
     Ok(normals)
+}
+
+/// Unit normals of points that were smoothed, on the sides that those before are on: a second tree would cross
+/// thin walls where noise let the first one pass. Single points go to the side of most around.
+pub fn normals_after(
+    points: &[DVec3],
+    neighbours: &Neighbours,
+    before: &[DVec3],
+    threads: usize,
+    monitor: &Monitor,
+) -> Result<Vec<DVec3>> {
+    let mut normals = axes(points, neighbours, threads, monitor)?;
+    for (now, before) in normals.iter_mut().zip(before) {
+        if now.dot(*before) < 0.0 {
+            *now = -*now;
+        }
+    }
+    settle(points, &mut normals, neighbours);
+    Ok(normals)
+}
+
+/// Unit normals on any side.
+fn axes(
+    points: &[DVec3],
+    neighbours: &Neighbours,
+    threads: usize,
+    monitor: &Monitor,
+) -> Result<Vec<DVec3>> {
+    blocks(points.len(), threads, monitor, &|i| {
+        let near = neighbours.of(i).iter().take(PLANE).map(|&q| points[q as usize]);
+        principal_axes(near.chain([points[i]]).map(|p| (p - points[i], 1.0))).normal
+    })
+}
+
+/// Turns single points round that are not on the side of most of their neighbours, of those beside them more than of
+/// those across.
+fn settle(points: &[DVec3], normals: &mut [DVec3], neighbours: &Neighbours) {
+    for _ in 0..SETTLING {
+        let mut turned = false;
+        for i in 0..points.len() {
+            let n = normals[i];
+            let side = |&q: &u32| {
+                let m = normals[q as usize];
+                let along = (points[q as usize] - points[i]).normalize_or_zero();
+                n.dot(m) * (1.0 - 0.5 * (n.dot(along).abs() + m.dot(along).abs()))
+            };
+            if neighbours.of(i).iter().take(LINKS).map(side).sum::<f64>() < 0.0 {
+                normals[i] = -n;
+                turned = true;
+            }
+        }
+        if !turned {
+            break;
+        }
+    }
 }
 
 fn orient(

@@ -37,7 +37,7 @@ pub fn smooth(
     for _ in 0..rounds {
         now = blocks(points.len(), threads, monitor, &|i| {
             let near = neighbours.of(i).iter().map(|&q| q as usize);
-            let alike = near.filter(|&q| normals[q].dot(normals[i]).abs() > ALIKE);
+            let alike = near.filter(|&q| normals[q].dot(normals[i]) > ALIKE);
             let offsets = alike.map(|q| now[q] - now[i]).chain([DVec3::ZERO]);
             let step = height(offsets, normals[i], REACH * spacing[i]).unwrap_or(0.0);
             let to = now[i] + step * normals[i] - points[i];
@@ -121,5 +121,34 @@ mod tests {
             assert!(p.normalize().distance(q.normalize()) < 0.3 * spacing);
         }
         assert_eq!(smoothed(&rough, 0).0, rough);
+    }
+
+    /// The two sides of a wall two spacings thick, noisy, stay as far apart as they are.
+    #[test]
+    fn a_wall_is_not_pressed_together() {
+        let chance = |i: usize| (i * 7919 % 1009) as f64 / 504.5 - 1.0;
+        let points: Vec<DVec3> = (0..1800)
+            .map(|i| {
+                let (side, j, k) = (i / 900, i % 900 / 30, i % 30);
+                let at = |v: usize| v as f64 + 0.3 * side as f64;
+                let off = 0.2 * 3f64.sqrt() * chance(i);
+                DVec3::new(
+                    at(k) + 0.5 * (j % 2) as f64,
+                    at(j) * 0.75f64.sqrt(),
+                    2.0 * side as f64 + off,
+                )
+            })
+            .collect();
+        let quiet = Monitor::silent();
+        let neighbours = Neighbours::new(&points, 1, &quiet).unwrap();
+        let normals: Vec<DVec3> =
+            (0..1800).map(|i| if i < 900 { -DVec3::Z } else { DVec3::Z }).collect();
+        let made = smooth(&points, &normals, &neighbours, &[1.0; 1800], 3, 1, &quiet).unwrap();
+        let off = |all: &[DVec3]| {
+            let square =
+                all.iter().enumerate().map(|(i, p)| (p.z - 2.0 * (i / 900) as f64).powi(2));
+            (square.sum::<f64>() / 1800.0).sqrt()
+        };
+        assert!(off(&made) < 0.7 * off(&points), "{} {}", off(&points), off(&made));
     }
 }
