@@ -20,7 +20,7 @@ use crate::synthesis::domain::depth;
 use crate::synthesis::evenly::spread_points;
 use crate::synthesis::fragments::{Candidates, Filled, Filling, Pasted};
 use crate::synthesis::hierarchy::{radius_in_edges, scales, MOST};
-use crate::synthesis::sampling::take_points;
+use crate::synthesis::sampling::{take_nodes, take_points};
 
 /// Radius of a fragment of the coarsest scale, in greatest distances from the rim: from one side of a
 /// round hole it reaches the other.
@@ -106,11 +106,10 @@ pub fn complete_holes(
             let rim = patch.rim_count;
             patch.positions[rim..].copy_from_slice(&positions[rim..]);
             if let Some(share) = init.share.filter(|_| patches.is_empty()) {
-                let taken = take_points(&patch, &copies, &pasted, source, init.taken);
-                let (patch, copies) = match taken {
-                    Some(taken) => taken,
-                    None => spread_points(&patch, &copies, share, init.taken, &check)?,
-                };
+                let even = spread_points(&patch, &copies, share, init.taken, &check)?;
+                let (patch, copies) = take_nodes(&even.0, &even.1, source, init.taken)
+                    .or_else(|| take_points(&patch, &copies, &pasted, source, init.taken))
+                    .unwrap_or(even);
                 patches.push(tell(patch, &copies, &pasted, source));
             }
             patches.push(tell(patch, &copies, &pasted, source));

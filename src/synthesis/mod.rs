@@ -21,6 +21,7 @@ pub mod project;
 pub mod quilt;
 pub mod quilt_cut;
 pub mod rank;
+pub mod raster;
 pub mod repair;
 pub mod resemblance;
 pub mod sampling;

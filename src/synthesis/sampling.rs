@@ -6,6 +6,7 @@
 //! to be checked by.
 
 use super::fragments::Pasted;
+use super::raster::Raster;
 use crate::fill::patch::Patch;
 use crate::fill::refine::{collapse_edges, flip_pass, Taken};
 use crate::intersect::{closest_point_on_triangle, Bvh};
@@ -31,6 +32,10 @@ const ON: f64 = 0.25;
 const ORDERED: f64 = 0.33;
 /// Spacings around a copy in which points say how its own lie.
 const AROUND: f64 = 4.0;
+/// Radii of a hole around its middle within which points tell a raster.
+const ALIKE: f64 = 2.0;
+/// Places on the rim from which a raster is looked for.
+const STARTS: usize = 3;
 /// Passes of collapses and flips.
 const PASSES: usize = 4;
 
@@ -43,15 +48,54 @@ pub fn take_points(
     source: &Source,
     taken: Taken<'_>,
 ) -> Option<(Patch, Vec<Option<u32>>)> {
-    let points = points_of(patch, copies, pasted, source)?;
-    let mut made = patch.clone();
-    // Which copy a vertex is of rides along as its offset, from 1.
-    let tag = |c: u32| DVec3::X * (f64::from(c) + 1.0);
-    for (offset, copy) in made.offsets.iter_mut().zip(copies) {
-        *offset = copy.map_or(DVec3::ZERO, tag);
-    }
+    let points: Vec<(DVec3, Option<u32>)> =
+        points_of(patch, copies, pasted, source)?.into_iter().map(|(p, c)| (p, Some(c))).collect();
     let mut loose: Vec<bool> = copies.iter().map(|c| c.is_some()).collect();
     loose[..patch.rim_count].fill(false);
+    put_points(patch, copies, &points, loose, taken)
+}
+
+/// A patch whose vertices are the nodes of the raster on which the points around it lie, where that sees it; `None` if
+/// they lie on none. `copies`: of the patch's vertices.
+pub fn take_nodes(
+    patch: &Patch,
+    copies: &[Option<u32>],
+    source: &Source,
+    taken: Taken<'_>,
+) -> Option<(Patch, Vec<Option<u32>>)> {
+    let rim = &patch.positions[..patch.rim_count];
+    let middle = rim.iter().copied().sum::<DVec3>() / rim.len().max(1) as f64;
+    let radius = rim.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
+    let size = patch.sizes.iter().sum::<f64>() / patch.sizes.len().max(1) as f64;
+    let around = source.points.within(middle, ALIKE * radius);
+    let around: Vec<DVec3> = around.iter().map(|&v| source.positions[v as usize]).collect();
+    let starts: Vec<DVec3> = (0..STARTS).map(|i| rim[i * rim.len() / STARTS]).collect();
+    let nodes = Raster::find(&around, &starts, size)?.nodes(patch)?;
+    let is_free = |p: &DVec3| source.points.nearest_within(*p, APART * size).is_none();
+    let all = PointTree::of_all(&patch.positions, &|| Ok(())).ok()?;
+    let of = |p: DVec3| Some((p, copies[all.nearest(p)?.0 as usize]));
+    let points: Vec<_> = nodes.into_iter().filter(is_free).filter_map(of).collect();
+    let placed: Vec<DVec3> = points.iter().map(|p| p.0).collect();
+    let nodes = PointTree::of_all(&placed, &|| Ok(())).ok()?;
+    let is_beside = |v: usize| nodes.nearest_within(patch.positions[v], size).is_some();
+    let loose = (0..patch.positions.len()).map(|v| v >= patch.rim_count && is_beside(v)).collect();
+    put_points(patch, copies, &points, loose, taken)
+}
+
+/// A patch with points, of copies, for its vertices; those of its own that are `loose` go.
+fn put_points(
+    patch: &Patch,
+    copies: &[Option<u32>],
+    points: &[(DVec3, Option<u32>)],
+    mut loose: Vec<bool>,
+    taken: Taken<'_>,
+) -> Option<(Patch, Vec<Option<u32>>)> {
+    let mut made = patch.clone();
+    // Which copy a vertex is of rides along as its offset, from 1.
+    let tag = |c: Option<u32>| DVec3::X * c.map_or(0.0, |c| f64::from(c) + 1.0);
+    for (offset, copy) in made.offsets.iter_mut().zip(copies) {
+        *offset = tag(*copy);
+    }
     let inner: Vec<u32> = (0..loose.len() as u32).filter(|&v| loose[v as usize]).collect();
     let tree = PointTree::new(&patch.positions, inner, &|_| Ok(())).ok()?;
     let mut pairs: Vec<(f64, usize, u32)> = Vec::new();
